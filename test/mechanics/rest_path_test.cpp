@@ -49,6 +49,23 @@ TEST(RestPath, ARodPushesABarItDoesNotPassThrough) {
   }
 }
 
+// Only the first stage of a ball from afar was asked whether its way counts: it rested 0.5 mm from the other.
+TEST(RestPath, ABallFromAfarRubsABarAsideAsOneFromNearby) {
+  std::vector<Eigen::Vector3d> tips_m;
+  for (const double away_m : {0.001, 0.03}) {
+    Body body = hanging_bar();
+    body.set_gravity({0, 0, -9.81});
+    const std::vector<ObstaclePose> motion{{}, {1.0, {-0.012 - away_m, 0, 0}, kZero}};
+    body.set_obstacles({{"ball", Sphere{{0.022 + away_m, 0.003, -0.06}, 0.012}, motion, 0.5}});
+    Simulation simulation = with_marker(std::move(body), {0, 0, -0.1});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    tips_m.push_back(simulation.marker_position(0));
+  }
+  EXPECT_LT(tips_m[0].x(), -0.02);
+  EXPECT_LT((tips_m[1] - tips_m[0]).norm(), 1e-4);
+}
+
 TEST(RestPath, AnEndThatIsTurnedByAWholeTurnTwistsTheBar) {
   Body body(box_mesh({-0.005, -0.005, 0}, {0.005, 0.005, 0.06}, {1, 1, 8}), kSilicone);
   body.fix_nodes({-1, -1, -1}, {1, 1, 1e-6}, {true, true, true});

@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
 # outside_parts.sh CHECK_CASTING: published parts of other soft robots get a verdict. The folder OUTSIDE_PARTS holds at
-# least five of them, as .stl in millimetres or .step, one of them .step. test/benchmark/README.md names some. A file without a closed
+# least five of them, as .stl in millimetres or .step, one of them .step; some are in SofaDefrost/SoftRobots,
+# StanfordASL/soft-robot-control, SNU-SRBL/SoftRobot_sim2real and vekkax/Fin-ray-Soft-Gripper. A file without a closed
 # solid must be refused by name. Without the folder nothing is tested.
 set -euo pipefail
 check_casting=$1

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Time as the judge: drawn scenes rest where a slow, damped motion in time leads.
+#include <functional>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "study/experiments/drawn_rest_states.h"
+#include "study/experiments/drawn_robots.h"
 #include "study/experiments/drawn_scenes.h"
 
 namespace soft_robot_lab {
@@ -14,10 +16,18 @@ namespace {
 
 constexpr int kScenesEach = 10;
 
-// How many are within 0.1 mm, by every method.
-int expect_right(const std::vector<int>& seeds, DrawnScene (*draw)(std::uint64_t, double) = draw_scene) {
+using Draw = std::function<DrawnScene(std::uint64_t, double)>;
+
+ExperimentContext context_of_tests() {
   ExperimentContext context;
   context.mesher = SOFT_ROBOT_LAB_MESHER;
+  context.config_folder = SOFT_ROBOT_LAB_SOURCE "/config";
+  return context;
+}
+
+// How many are within 0.1 mm, by every method.
+int expect_right(const std::vector<int>& seeds, const Draw& draw = draw_scene) {
+  const ExperimentContext context = context_of_tests();
   const std::string file = SOFT_ROBOT_LAB_SOURCE "/config/experiments/rest_states.yaml";
   const DrawnSettings settings = read_drawn_settings(YamlNode::load_file(file).child("drawn"));
   int within = 0;
@@ -68,6 +78,16 @@ TEST(JoinedScenes, ThatTakeLongRestWhereASlowWayLeads) { EXPECT_EQ(expect_right(
 TEST(DrawnScenes, RestByXpbdToo) {
   EXPECT_EQ(expect_right({5, 17, 18, 22, 31}), 5);
   EXPECT_EQ(expect_right({6}, draw_joined_scene), 1);
+}
+
+TEST(DrawnRobots, RestWhereASlowWayLeads) {
+  const std::vector<std::string> robots{"robots/spinebot/touching.yaml", "robots/hammerbot/robot.yaml",
+                                        "robots/gripper/robot.yaml", "robots/bubblebot/robot.yaml",
+                                        "robots/bubblefinger/robot.yaml"};
+  const Draw draw = [&](std::uint64_t seed, double motion_s) {
+    return draw_robot_scene(seed, motion_s, robots, context_of_tests());
+  };
+  EXPECT_EQ(expect_right({14, 18, 28}, draw), 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, DrawnRestStates, testing::Range(0, 4));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compare_with_reference.h"
 #include "contact_bodies.h"
 #include "mechanics/round_mesh.h"
 #include "reference_table.h"
@@ -82,7 +83,9 @@ TEST(Contact, ACylinderIsPressedInByTheForceOfTheReference) {
     const SolveReport report = simulation.solve_equilibrium();
     ASSERT_TRUE(report.converged) << report.message;
     const ContactReading contact = simulation.contacts()[0];
-    EXPECT_NEAR(-contact.force_n.y(), force_n, one.tolerance * force_n) << one.cells.transpose();
+    expect_near_reference("R7, cylinder, " + rounded(1e3 * one.depth_m) + " mm deep | " +
+                              rounded(60.0 / one.cells.x()) + " mm | force [N]",
+                          -contact.force_n.y(), force_n, one.tolerance * force_n);
     EXPECT_LT(contact.largest_penetration_m, 2e-5);
     EXPECT_LT(std::abs(contact.force_n.x()), 2e-3 * force_n);
   }
@@ -110,7 +113,9 @@ double ball_in_disc_n(const Eigen::Vector2i& elements, double depth_m) {
 void expect_ball_in_disc(const Eigen::Vector2i& elements, const std::vector<double>& depths_m, double tolerance) {
   for (const double depth_m : depths_m) {
     const double force_n = reference_at("r7_sphere_on_disc", "depth_m", depth_m).number("force_N");
-    EXPECT_NEAR(ball_in_disc_n(elements, depth_m), force_n, tolerance * force_n) << depth_m;
+    expect_near_reference("R7, ball in a disc, " + rounded(1e3 * depth_m) + " mm deep | " +
+                              rounded(30.0 / elements.x()) + " mm | force [N]",
+                          ball_in_disc_n(elements, depth_m), force_n, tolerance * force_n);
   }
 }
 
@@ -152,7 +157,7 @@ TEST(Contact, ADroppedBallBouncesAsInTheReference) {
     most_j = std::max(most_j, energy_j());
   }
   const auto expect = [&](double found, const std::string& column, const std::string& spread) {
-    EXPECT_NEAR(found, drop.number(column), drop.number(spread)) << column;
+    expect_near_reference("R12, dropped ball | 2.5 mm | " + column, found, drop.number(column), drop.number(spread));
   };
   expect(left_s, "contact_time_s", "unc_contact_time_s");
   expect(lowest_m, "cm_lowest_y_m", "unc_cm_lowest_m");
@@ -199,8 +204,11 @@ void expect_bar_on_post(const Eigen::Vector3i& cells, const std::vector<double>&
     body.set_gravity({0, -gravity, 0});
     body.set_obstacles({{"post", Cylinder{{0.06, -0.025, -1}, {0.06, -0.025, 1}, 0.01, 0.001}, {}, 0.0}});
     const Bent bar = bent(std::move(body), 0.1);
-    EXPECT_NEAR(bar.tip_uy_m, row.number("tip_uy_m"), 0.006 * 0.0105) << gravity;
-    EXPECT_NEAR(bar.force_n.y(), row.number("contact_Fy_N"), tolerance * row.number("contact_Fy_N")) << gravity;
+    const std::string what =
+        "R8, bar on a post, " + rounded(gravity / 9.81) + " g | " + rounded(100.0 / cells.x()) + " mm | ";
+    expect_near_reference(what + "tip [m]", bar.tip_uy_m, row.number("tip_uy_m"), 0.006 * 0.0105);
+    const double force_n = row.number("contact_Fy_N");
+    expect_near_reference(what + "force [N]", bar.force_n.y(), force_n, tolerance * force_n);
   }
 }
 
@@ -219,8 +227,11 @@ void expect_finger_on_roll(const Eigen::Vector3i& cells, const std::vector<doubl
     body.set_obstacles({{"roll", Cylinder{{0.04, -0.027, -1}, {0.04, -0.027, 1}, 0.02, 0.001}, {}, 0.0}});
     const Bent finger = bent(std::move(body), 0.08);
     const double force_n = row.number("contact_Fy_N");
-    EXPECT_NEAR(finger.tip_uy_m, row.number("tip_uy_m"), -tolerance * row.number("tip_uy_m")) << pressure_pa;
-    EXPECT_NEAR(finger.force_n.y(), force_n, tolerance * force_n) << pressure_pa;
+    const std::string what =
+        "R11, finger on a cylinder, " + rounded(pressure_pa) + " Pa | " + rounded(80.0 / cells.x()) + " mm | ";
+    const double tip_m = row.number("tip_uy_m");
+    expect_near_reference(what + "tip [m]", finger.tip_uy_m, tip_m, -tolerance * tip_m);
+    expect_near_reference(what + "force [N]", finger.force_n.y(), force_n, tolerance * force_n);
     EXPECT_NEAR(finger.force_n.x(), row.number("contact_Fx_N"), tolerance * force_n) << pressure_pa;
   }
 }
@@ -228,7 +239,7 @@ void expect_finger_on_roll(const Eigen::Vector3i& cells, const std::vector<doubl
 // R11, elements of 2.5 mm and of half that.
 TEST(Contact, AFingerIsBentOverACylinderAsInTheReference) { expect_finger_on_roll({32, 4, 2}, {300.0, 1200.0}, 0.02); }
 TEST(Contact, OnAFineMeshAFingerIsBentOverACylinderAsInTheReference) {
-  expect_finger_on_roll({64, 8, 2}, {300.0, 1200.0}, 0.01);
+  expect_finger_on_roll({64, 8, 2}, {150.0, 300.0, 600.0, 1200.0}, 0.01);
 }
 
 // Hertz's force 4/3 E / (1 - nu^2) sqrt(R) d^1.5 for a ball on a half space, and what a layer of height h adds that is
@@ -257,7 +268,9 @@ void expect_hertz(const Eigen::Vector3i& cells, double tolerance) {
     const SolveReport report = simulation.solve_equilibrium();
     ASSERT_TRUE(report.converged) << report.message;
     const double expected_n = hertz_n(kRadius, depth_m, kSide);
-    EXPECT_NEAR(-4.0 * simulation.contacts()[0].force_n.y(), expected_n, tolerance * expected_n) << depth_m;
+    expect_near_reference("Hertz, ball on a layer, " + rounded(1e3 * depth_m) + " mm deep | " + rounded(cells.x()) +
+                              " graded cells | force [N]",
+                          -4.0 * simulation.contacts()[0].force_n.y(), expected_n, tolerance * expected_n);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compare_with_reference.h"
 #include "contact_bodies.h"
 #include "mechanics/carved_mesh.h"
 #include "mechanics/contact/contact_term.h"
@@ -72,9 +73,11 @@ TEST(SelfContact, ASlotIsPressedShutAsInTheReference) {
     const ReferenceRow row = reference_at("r9_slot_selfcontact", traction_pa);
     const ContactReading contact = simulation.contacts().back();
     const double force_n = row.number("contact_force_N");
-    EXPECT_NEAR(contact.normal_force_n, force_n, 0.01 * force_n);
+    const std::string what = "R9, slot, " + rounded(traction_pa) + " Pa | 2 mm | ";
+    expect_near_reference(what + "force [N]", contact.normal_force_n, force_n, 0.01 * force_n);
     EXPECT_NEAR(simulation.marker_position(0).y(), 0.0, 1e-5);
-    EXPECT_NEAR(simulation.marker_position(1).y() - 0.012, row.number("top_mid_uy_m"), 2e-5);
+    expect_near_reference(what + "top [m]", simulation.marker_position(1).y() - 0.012, row.number("top_mid_uy_m"),
+                          2e-5);
     EXPECT_LT(contact.largest_penetration_m, 3e-6);  // guards let in 5e-4 of a face's size
     EXPECT_TRUE(contact.force_n.isZero(0.0));
   }
@@ -112,10 +115,11 @@ TEST(SelfContact, TheLegsOfAClipMeetAsInTheReference) {
     const ReferenceRow row = reference_at("r9_clip_selfcontact", traction_pa);
     const ContactReading contact = simulation.contacts().back();
     const double force_n = row.number("contact_force_N"), tip_m = row.number("tip_out_uy_m");
-    EXPECT_NEAR(contact.normal_force_n, force_n, 0.02 * force_n) << traction_pa;
+    const std::string what = "R9, clip, " + rounded(traction_pa) + " Pa, friction " + rounded(friction) + " | 2 mm | ";
+    expect_near_reference(what + "force [N]", contact.normal_force_n, force_n, 0.02 * force_n);
     EXPECT_LT(contact.largest_penetration_m, 3e-6);
     const double upper_m = simulation.marker_position(0).y(), lower_m = simulation.marker_position(1).y();
-    EXPECT_NEAR(0.5 * (upper_m - lower_m) - 0.014, tip_m, 0.003 * std::abs(tip_m)) << traction_pa;
+    expect_near_reference(what + "tips [m]", 0.5 * (upper_m - lower_m) - 0.014, tip_m, 0.003 * std::abs(tip_m));
     EXPECT_LT(std::abs(upper_m + lower_m) / 2.0, 0.035 * std::abs(tip_m)) << traction_pa;
     EXPECT_LT(report.iterations, 60) << traction_pa;
   }

@@ -115,8 +115,7 @@ bool Walk::slow_down() {
 bool Walk::way_counts(const SimulationState& from) const {
   const ContactState& contact = parts_.state.contact;
   const bool touches = contact.pressures_pa.size() > 0 && contact.pressures_pa.maxCoeff() > 0.0;
-  const double way_m = way_from_m(from.positions_m);
-  return touches && !parts_.body.obstacles().empty() && way_m > kSmallWay * parts_.body.size_m();
+  return touches && way_from_m(from.positions_m) > kSmallWay * parts_.body.size_m();
 }
 
 // Whether a node went further than what moves takes it along. A jump is as far in half the stage, a lever half as far.
@@ -256,8 +255,8 @@ void Walk::go_in_stages(int count) {
 
 double Walk::go() {
   double stage = 1.0;
-  bool fast = longest_ == 1.0 && !options_.only_through_stable;
-  const SimulationState start = fast && !parts_.body.obstacles().empty() ? parts_.state : SimulationState();
+  bool fast = longest_ == 1.0 && !options_.only_through_stable && !parts_.body.obstacles().empty();
+  const SimulationState start = fast ? parts_.state : SimulationState();
   const int patience = constants::kEquilibriumBudget * parts_.options.max_iterations;
   while (done_ < 1.0 && report_.iterations - iterations_before_ < patience) {
     const double from = done_, wanted = std::min(1.0, done_ + std::min(stage, longest_));

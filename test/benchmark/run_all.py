@@ -99,8 +99,8 @@ def faults_of_page(results, path):
     if wanted.count('\n') > page.MOST_LINES:
         faults.append('%s would have %d lines, at most %d' % (path, wanted.count('\n'), page.MOST_LINES))
     for name, result in results.items():
-        for picture, wanted in result['pictures'].items():
-            if provenance.contents_hash(os.path.join(ROOT, 'config', 'doc', picture)) != wanted:
+        for picture, measured in result['pictures'].items():
+            if provenance.contents_hash(os.path.join(ROOT, 'config', 'doc', picture)) != measured:
                 faults.append('config/doc/%s is not the picture of table %s' % (picture, name))
     known = {table.name + '.json' for table in TABLES}
     return faults + ['results/%s belongs to no table' % name for name in sorted(set(os.listdir(os.path.join(HERE, 'results'))) - known)]

@@ -253,9 +253,8 @@ void seek_rest(SimulationParts& parts, const Past& start, SolveReport& report) {
 
 // Whether sweeps found the rest state: a stable one, on a way past nothing that it might have met. Newton's method
 // takes the last bit of the way, as it does for what little holds.
-bool sweeps_find_rest(SimulationParts& parts, SolveReport& report) {
+bool sweeps_find_rest(SimulationParts& parts, const SimulationState& start, SolveReport& report) {
   if (parts.workspace.newton.contact().free().count() > 0 || RestPath(parts).something_moves()) return false;
-  const SimulationState start = parts.state;
   seek_rest(parts, Past(start), report);
   return report.converged && !may_have_met(parts, start) && relax(parts, report) == RestFound::stable;
 }
@@ -264,7 +263,7 @@ bool sweeps_find_rest(SimulationParts& parts, SolveReport& report) {
 
 void settle_in_substeps(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   const SimulationState start = parts.state;
-  if (!sweeps_find_rest(parts, report)) {
+  if (!sweeps_find_rest(parts, start, report)) {
     parts.state = start;
     parts.state.linearisation.reset();
     report.warnings.clear();

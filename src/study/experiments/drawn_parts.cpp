@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawn_parts.h"
 
+#include <cmath>
 #include <sstream>
 
 namespace soft_robot_lab::drawn {
 
 using Eigen::Vector3d;
+
+Vector3d direction(Dice& dice) {
+  const double height = dice.between(-1.0, 1.0), turn_rad = dice.between(0.0, 2.0 * M_PI),
+               radius = std::sqrt(1.0 - height * height);
+  return {radius * std::cos(turn_rad), radius * std::sin(turn_rad), height};
+}
 
 std::ostream& operator<<(std::ostream& out, const Vector3d& v) {
   return out << '[' << v.x() << ", " << v.y() << ", " << v.z() << ']';

@@ -29,6 +29,9 @@ class Dice {
   std::mt19937_64 random_;
 };
 
+// All over the unit sphere alike.
+Eigen::Vector3d direction(Dice& dice);
+
 // In YAML.
 std::ostream& operator<<(std::ostream& out, const Eigen::Vector3d& v);
 

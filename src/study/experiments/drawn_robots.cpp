@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawn_robots.h"
 
-#include <cmath>
+#include <algorithm>
 #include <optional>
 #include <sstream>
 
 #include <Eigen/Geometry>
 
 #include "drawn_parts.h"
+#include "mechanics/body/gap.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -18,12 +19,6 @@ using Eigen::Vector3d;
 
 constexpr int kTries = 50;            // to place an obstacle
 constexpr double kLeastGap_m = 3e-4;  // from all of the skin
-
-Vector3d direction(Dice& dice) {
-  const double height = dice.between(-1.0, 1.0), turn_rad = dice.between(0.0, 2.0 * M_PI),
-               radius = std::sqrt(1.0 - height * height);
-  return {radius * std::cos(turn_rad), radius * std::sin(turn_rad), height};
-}
 
 struct Place {
   Vector3d at_m, out;  // on the skin; its normal
@@ -39,11 +34,10 @@ Place draw_place(const Body& body, Dice& dice) {
   }
 }
 
-// Of a ball, or of the straight piece of a post or rod; a box counts as the ball around it.
-double distance_m(const std::string& kind, const Vector3d& at_m, const Vector3d& across_m, const Vector3d& point_m) {
-  if (kind != "post" && kind != "rod") return (point_m - at_m).norm();
-  const double along = std::clamp((point_m - at_m).dot(across_m) / across_m.squaredNorm(), -1.0, 1.0);
-  return (point_m - at_m - along * across_m).norm();
+// A box counts as the ball around it.
+ObstacleShape round_shape(const std::string& kind, const Vector3d& at_m, double radius_m, const Vector3d& across_m) {
+  if (kind != "post" && kind != "rod") return Sphere{at_m, radius_m};
+  return Capsule{at_m - across_m, at_m + across_m, radius_m};
 }
 
 // Beside the skin at rest; empty where there is no room.
@@ -55,10 +49,10 @@ std::optional<std::string> draw_obstacle(const Body& body, double motion_s, Dice
     const double radius_m = dice.between(0.04, 0.1) * size_m;
     const double reach_m = kind == "box" ? std::sqrt(6.0) * radius_m : radius_m;
     const Vector3d at_m = place.at_m + (reach_m + dice.between(0.0005, 0.004)) * place.out;
-    const Vector3d across_m = 0.1 * place.out.cross(direction(dice)).normalized();
+    const Vector3d across_m = 0.1 * place.out.cross(drawn::direction(dice)).normalized();
+    const ObstacleShape shape = round_shape(kind, at_m, reach_m, across_m);
     double gap_m = 1.0;
-    for (const auto& node_m : body.mesh().nodes_m.colwise())
-      gap_m = std::min(gap_m, distance_m(kind, at_m, across_m, node_m) - reach_m);
+    for (const auto& node_m : body.mesh().nodes_m.colwise()) gap_m = std::min(gap_m, gap_to(shape, node_m).gap_m);
     if (gap_m < kLeastGap_m) continue;
     std::ostringstream text;
     text.precision(17);
@@ -102,7 +96,7 @@ DrawnScene draw_robot_scene(std::uint64_t seed, double motion_s, const std::vect
   scene.robot = dice.one_of(robots);
   const Scene robot = load_scene(context.config_folder + "/" + scene.robot, context.scene_options());
   scene.kind = scene.robot;
-  scene.gravity_m_s2 = dice.chance(0.5) ? Vector3d(0.0, 0.0, -9.81) : Vector3d(9.81 * direction(dice));
+  scene.gravity_m_s2 = dice.chance(0.5) ? Vector3d(0.0, 0.0, -9.81) : Vector3d(9.81 * drawn::direction(dice));
   std::ostringstream text;
   text.precision(17);
   add_obstacles(robot.simulation->body(), motion_s, dice, scene, text);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawn_scenes.h"
 
-#include <cmath>
 #include <sstream>
 
 #include "drawn_parts.h"
@@ -145,9 +144,7 @@ DrawnScene draw_joined_scene(std::uint64_t seed, double motion_s) {
   Dice dice(seed);
   const Bar bar = draw_bar(dice);
   DrawnScene scene;
-  const double height = dice.between(-1.0, 1.0), turn_rad = dice.between(0.0, 2.0 * M_PI),
-               radius = std::sqrt(1.0 - height * height);
-  scene.gravity_m_s2 = 9.81 * Vector3d(radius * std::cos(turn_rad), radius * std::sin(turn_rad), height);
+  scene.gravity_m_s2 = 9.81 * drawn::direction(dice);
   scene.end_z_m = 1e-6 - bar.length_m;
   const int obstacles = dice.one_of<int>({0, 1, 1, 2}), cables = dice.one_of<int>({0, 1, 1, 2});
   const bool held = dice.chance(0.15);

@@ -1,59 +1,63 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduced_energy.h"
 
-#include <Eigen/LU>
-
-#include "mechanics/elements/elements.h"
+#include "mechanics/material/material_law.h"
 
 namespace soft_robot_lab {
 namespace {
 
-// How much a point's volume has grown.
-struct Growth {
-  FlatMatrix f;              // 1 + A
-  double value;              // det F - 1
-  Eigen::VectorXd gradient;  // d value / dq
+// Of each element.
+template <class Number>
+Eigen::VectorXd of_elements(const Body& body, const Number& number) {
+  Eigen::VectorXd all(body.mesh().tet_count());
+  for (int e = 0; e < all.size(); ++e) all[e] = number(body.material_of(e));
+  return all;
+}
 
-  Growth(const RestPoint& point, const Eigen::VectorXd& q) {
-    const Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity() + point.displacement_gradient(q);
-    f = Eigen::Map<const FlatMatrix>(matrix.data());
-    value = matrix.determinant() - 1.0;
-    gradient = point.gradient.transpose() * (0.5 * tensor_cross(f, f));
-  }
-};
+Eigen::VectorXd shear_moduli_pa(const Body& body) {
+  return of_elements(body, [](const Material& material) { return material.lame_mu_pa(); });
+}
+
+Eigen::MatrixXd with_column(const Eigen::MatrixXd& columns, const Eigen::VectorXd& last) {
+  Eigen::MatrixXd all(columns.rows(), columns.cols() + 1);
+  all << columns, last;
+  return all;
+}
 
 }  // namespace
 
 ReducedEnergy::ReducedEnergy(const Body& body, const ReducedBasis& basis)
-    : mu_(body.material().lame_mu_pa()),
-      lambda_(bulk_lambda_pa(body.material())),
-      points_(rest_points(body.mesh(), basis.modes)),
-      point_sums_(points_),
-      volumes_(points_, basis.pressures),
+    : points_(rest_points(body.mesh(), basis.modes)),
+      point_sums_(points_, body),
+      volumes_(points_, with_column(basis.pressures, shear_moduli_pa(body))),
       stretch_(Eigen::MatrixXd::Zero(basis.modes.cols(), basis.modes.cols())),
       linear_(Eigen::VectorXd::Zero(basis.modes.cols())) {
+  const Eigen::VectorXd mu_pa = shear_moduli_pa(body);
+  Eigen::VectorXd bulk_m3_pa = Eigen::VectorXd::Zero(mu_pa.size());  // V / lambda
   for (const RestPoint& point : points_) {
-    rest_volume_m3_ += point.weight_m3;
-    stretch_ += point.weight_m3 * point.gradient.transpose() * point.gradient;
-    linear_ += point.weight_m3 * traces(point.gradient);
+    const double weight_j = mu_pa[point.element] * point.weight_m3;
+    stretch_ += weight_j * point.gradient.transpose() * point.gradient;
+    linear_ += weight_j * traces(point.gradient);
+    bulk_m3_pa[point.element] += point.weight_m3 / bulk_lambda_pa(body.material_of(point.element));
   }
+  bulk_compliance_ = basis.pressures.transpose() * bulk_m3_pa.asDiagonal() * basis.pressures;
   const Eigen::Matrix3Xd forces = body.external_forces_n();
   loads_ = basis.modes.transpose() * Eigen::Map<const Eigen::VectorXd>(forces.data(), forces.size());
 }
 
-void ReducedEnergy::keep_points(const Eigen::VectorXd& factors) {
+void ReducedEnergy::keep_points(const Eigen::VectorXd& factors, const Body& body) {
   std::vector<RestPoint> kept;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const double factor = factors[static_cast<Eigen::Index>(i)];
     if (factor > 0.0) kept.push_back({points_[i].element, factor * points_[i].weight_m3, points_[i].gradient});
   }
   points_ = std::move(kept);
-  point_sums_ = PointSums(points_);
+  point_sums_ = PointSums(points_, body);
 }
 
 Eigen::VectorXd ReducedEnergy::scales(const Eigen::VectorXd& r) const {
   Eigen::VectorXd all(r.size() + 1);
-  all << r, -mu_;
+  all << r, -1.0;
   return all;
 }
 
@@ -61,31 +65,23 @@ ReducedEnergy::Sums ReducedEnergy::sums(const Eigen::VectorXd& q, const Eigen::V
   const Eigen::VectorXd of_volumes = scales(r), stretched = stretch_ * q;
   const VolumePolynomials::Values volumes = volumes_.at(q, of_volumes);
   Sums result;
-  result.force = mu_ * (stretched + linear_) + volumes.gradient - loads_;
-  result.value = 0.5 * mu_ * (3.0 * rest_volume_m3_ + 2.0 * linear_.dot(q) + q.dot(stretched)) +
-                 volumes.values.dot(of_volumes) - r.squaredNorm() / (2.0 * lambda_) - loads_.dot(q);
-  result.value += point_sums_.add_force(q, mu_, result.force);
-  result.mismatch = volumes.values.head(r.size()) - r / lambda_;
+  result.force = stretched + linear_ + volumes.gradient - loads_;
+  const Eigen::VectorXd squeezed = bulk_compliance_ * r;
+  result.value = linear_.dot(q) + 0.5 * q.dot(stretched) + volumes.values.dot(of_volumes) - 0.5 * r.dot(squeezed) -
+                 loads_.dot(q);
+  result.value += point_sums_.add_force(q, result.force);
+  result.mismatch = volumes.values.head(r.size()) - squeezed;
   return result;
 }
 
 Eigen::MatrixXd ReducedEnergy::hessian(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const {
-  Eigen::MatrixXd result = mu_ * stretch_ + volumes_.hessian(q, scales(r));
-  point_sums_.add_hessian(q, mu_, result);
+  Eigen::MatrixXd result = stretch_ + volumes_.hessian(q, scales(r));
+  point_sums_.add_hessian(q, result);
   return result;
 }
 
 Eigen::MatrixXd ReducedEnergy::volume_gradients(const Eigen::VectorXd& q) const {
   return volumes_.gradients(q).leftCols(pressures());
-}
-
-Eigen::MatrixXd ReducedEnergy::point_forces(const Eigen::VectorXd& q) const {
-  Eigen::MatrixXd forces(q.size(), static_cast<Eigen::Index>(points_.size()));
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Growth growth(points_[i], q);
-    forces.col(static_cast<Eigen::Index>(i)) = mu_ * points_[i].weight_m3 * growth.value * growth.gradient;
-  }
-  return forces;
 }
 
 }  // namespace soft_robot_lab

@@ -20,44 +20,44 @@ struct ReducedBasis {
   Eigen::MatrixXd pressures;  // elements x nr [1/sqrt(m^3)]
 };
 
-// The saddle function of a neo-Hookean body without cables and chambers, least in q and greatest in r:
-//   mu/2 sum w |F|^2 - mu c_K + mu/2 sum z w (det F - 1)^2 + r'c - r'r / (2 lambda) - f'q
-// All is an exact polynomial (VolumePolynomials; c_K is the last of them) but the third term, a sum over few points of
-// weights z w (cubature).
+// The saddle function of a body without cables and chambers, least in q and greatest in r:
+//   sum w mu/2 (|F|^2 - 3) - c_K + sum z w R(F) + r'c - r'B r / 2 - f'q,   B = P' V / lambda P of the pressures P
+// All is an exact polynomial (VolumePolynomials; c_K is the last of them, sum w mu (J - 1)) but the third term, the rest
+// of the law (PointSums), a sum over few points of weights z w (cubature).
 class ReducedEnergy {
  public:
   // With every quadrature point, z = 1.
   ReducedEnergy(const Body& body, const ReducedBasis& basis);
 
-  // Keeps only the points of positive weight; `factors`: z of each point, in their order.
-  void keep_points(const Eigen::VectorXd& factors);
+  // Keeps only the points of positive weight; `factors`: z of each point, in their order; `body`: the same.
+  void keep_points(const Eigen::VectorXd& factors, const Body& body);
 
   struct Sums {
     double value;              // [J]
     Eigen::VectorXd force;     // d/dq
-    Eigen::VectorXd mismatch;  // d/dr = c - r / lambda
+    Eigen::VectorXd mismatch;  // d/dr = c - B r
   };
   Sums sums(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   Eigen::MatrixXd hessian(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;  // d2/dq2
   Eigen::MatrixXd volume_gradients(const Eigen::VectorXd& q) const;                   // d2/dq dr, N x nr
 
-  // Per point, N x points: its part in the force, at z = 1.
-  Eigen::MatrixXd point_forces(const Eigen::VectorXd& q) const;
+  // Per point, N x points: its part of the third term's force.
+  Eigen::MatrixXd point_forces(const Eigen::VectorXd& q) const { return point_sums_.forces(q); }
 
   const std::vector<RestPoint>& points() const { return points_; }
-  double lambda_pa() const { return lambda_; }
+  const Eigen::MatrixXd& bulk_compliance() const { return bulk_compliance_; }  // B [1/Pa]
   Eigen::Index modes() const { return linear_.size(); }
   Eigen::Index pressures() const { return volumes_.count() - 1; }
 
  private:
-  Eigen::VectorXd scales(const Eigen::VectorXd& r) const;  // of the polynomials: r and -mu
+  Eigen::VectorXd scales(const Eigen::VectorXd& r) const;  // of the polynomials: r and -1
 
-  double mu_, lambda_, rest_volume_m3_ = 0.0;
   std::vector<RestPoint> points_;  // weights z w
   PointSums point_sums_;           // the same
   VolumePolynomials volumes_;
-  Eigen::MatrixXd stretch_;  // sum w D'D
-  Eigen::VectorXd linear_;   // sum w tr A_i
+  Eigen::MatrixXd bulk_compliance_;
+  Eigen::MatrixXd stretch_;  // sum w mu D'D
+  Eigen::VectorXd linear_;   // sum w mu tr A_i
   Eigen::VectorXd loads_;
 };
 

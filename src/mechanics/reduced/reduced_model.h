@@ -58,7 +58,7 @@ struct ReducedModel {
   }
 
   void keep_points(const Eigen::VectorXd& factors) {
-    energy.keep_points(factors);
+    energy.keep_points(factors, full->body());
     point_factors = factors;
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
@@ -67,7 +68,7 @@ Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns&
   matrix.topLeftCorner(n, n).diagonal().array() += inertia_per_s2;
   matrix.topRightCorner(n, r) = model.energy.volume_gradients(at.q);
   matrix.bottomLeftCorner(r, n) = matrix.topRightCorner(n, r).transpose();
-  matrix.bottomRightCorner(r, r) = Eigen::MatrixXd::Identity(r, r) / -model.energy.lambda_pa();
+  matrix.bottomRightCorner(r, r) = -model.energy.bulk_compliance();
   return matrix;
 }
 
@@ -215,7 +216,8 @@ bool ReducedNewton::stable(const DriveStates& drives, const ReducedUnknowns& at,
   const Eigen::Index n = at.q.size(), r = at.pressures.size();
   const Eigen::MatrixXd inner = reduced_matrix(*model_, at, constraints, inertia_per_s2);
   const Eigen::MatrixXd volumes = inner.topRightCorner(n, r);
-  Eigen::MatrixXd stiffness = inner.topLeftCorner(n, n) + model_->energy.lambda_pa() * volumes * volumes.transpose();
+  Eigen::MatrixXd stiffness = inner.topLeftCorner(n, n) +
+                              volumes * model_->energy.bulk_compliance().llt().solve(volumes.transpose());
   if (!constraints.touches.empty()) stiffness += skin_.hessian(constraints.touches);
   const Eigen::MatrixXd matrix = bordered(stiffness, constraints, multipliers);
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)

@@ -26,7 +26,7 @@ struct ReducedEnd {
   int shortened = 0;                       // steps cut by the line search
 };
 
-// The matrix of all but the constraints, [K + inertia, G; G', -1/lambda]; G: ReducedEnergy::volume_gradients. How
+// The matrix of all but the constraints, [K + inertia, G; G', -B]; G: ReducedEnergy::volume_gradients. How
 // pushes of the skin turn with it (ReducedSkin::hessian) is not in it; time steps gain nothing by that.
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
                                const ReducedConstraints::Values& constraints, double inertia_per_s2);

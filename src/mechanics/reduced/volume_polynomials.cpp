@@ -94,7 +94,7 @@ struct VolumePolynomials::Coefficients {
 };
 
 VolumePolynomials::VolumePolynomials(const std::vector<RestPoint>& points, const Eigen::MatrixXd& shares)
-    : modes_(points.front().gradient.cols()), count_(shares.cols() + 1) {
+    : modes_(points.front().gradient.cols()), count_(shares.cols()) {
   auto coefficients = std::make_shared<Coefficients>(modes_, count_);
   const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
   const Eigen::Map<const FlatMatrix> identity(one.data());
@@ -102,9 +102,8 @@ VolumePolynomials::VolumePolynomials(const std::vector<RestPoint>& points, const
     DeterminantCoefficients element(modes_);
     for (std::size_t i = first; i < first + kPointsOfElement; ++i)
       element.add(points[i].weight_m3, identity, points[i].gradient);
-    Eigen::RowVectorXd all(count_);
-    all << shares.row(points[first].element), 1.0;
-    for (Eigen::Index k = 0; k < count_; ++k) coefficients->add(k, all[k] * element.in_order());
+    const Eigen::VectorXd in_order = element.in_order();
+    for (Eigen::Index k = 0; k < count_; ++k) coefficients->add(k, shares(points[first].element, k) * in_order);
   }
   coefficients_ = std::move(coefficients);
 }

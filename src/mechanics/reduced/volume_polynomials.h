@@ -19,7 +19,7 @@ struct DeterminantTerm {
 };
 using DeterminantSum = std::vector<DeterminantTerm>;
 
-// c_k(q) = sum over points of w psi_k (det F - 1), in m^3 times the unit of psi_k, and at last the same with psi = 1.
+// c_k(q) = sum over points of w psi_k (det F - 1), in m^3 times the unit of psi_k.
 // As F is linear in q, each is a cubic polynomial, kept by its coefficients, exact to rounding (tensor_cross):
 //   det(M + A) - det M = (M x M) : A / 2 + M : (A x A) / 2 + det A,   A = F - 1 = sum q_i A_i,   here M = 1
 // Monomials in their order: q_i; pairs q_i q_j, i <= j, the row of i after that of i - 1; triples q_i q_j q_l,

@@ -9,6 +9,7 @@
 
 #include "mechanics/actuators/hollow_mesh.h"
 #include "mechanics/actuators/test_bar.h"
+#include "mechanics/elements/elements.h"
 #include "mechanics/reduced/pod.h"
 #include "mechanics/reduced/point_cubature.h"
 #include "mechanics/reduced/reduced_constraints.h"
@@ -24,9 +25,20 @@ Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned 
   return matrix;
 }
 
-// A short bar and smooth modes: polynomials of the rest position times random vectors.
-struct ReducedParts : ::testing::Test {
-  ReducedParts() : body(box_mesh({0, 0, 0}, {0.04, 0.02, 0.02}, {2, 1, 1}), Material{}) {
+// A box of a region for each material.
+TetMesh layers(std::size_t materials) {
+  TetMesh mesh = box_mesh({0, 0, 0}, {0.04, 0.02, 0.02}, {2, 1, 1});
+  mesh.regions.assign(materials, {});
+  for (int e = 0; e < mesh.tet_count(); ++e) mesh.tet_region.push_back(e % static_cast<int>(materials));
+  return mesh;
+}
+
+const Material kMooney = Material::mooney_rivlin(30e3, 14e3, 0.47, 1070.0);
+const Material kYeoh = Material::yeoh(10410.0, 2670.0, 900.0, 0.4999, 1070.0);
+
+// A short bar of these materials, and smooth modes: polynomials of the rest position times random vectors.
+struct ReducedParts : ::testing::TestWithParam<std::vector<Material>> {
+  ReducedParts() : body(layers(GetParam().size()), GetParam()) {
     body.set_gravity({0, 0, -9.81});
     basis.pressures = random_matrix(body.mesh().tet_count(), 2, 1);
     basis.modes.resize(3 * body.mesh().node_count(), 4);
@@ -45,20 +57,43 @@ struct ReducedParts : ::testing::Test {
   const Eigen::VectorXd r = Eigen::Vector2d(900.0, -2000.0);
 };
 
-TEST_F(ReducedParts, PolynomialsAreTheVolumesOfTheShape) {
-  const std::vector<RestPoint> points = rest_points(body.mesh(), basis.modes);
-  Eigen::Vector3d sums = Eigen::Vector3d::Zero();
-  for (const RestPoint& point : points) {
-    const double growth = (Eigen::Matrix3d::Identity() + point.displacement_gradient(q)).determinant() - 1.0;
-    const Eigen::RowVector2d shares = basis.pressures.row(point.element);
-    sums += point.weight_m3 * growth * Eigen::Vector3d(shares[0], shares[1], 1.0);
-  }
-  const Eigen::VectorXd values = VolumePolynomials(points, basis.pressures).at(q, Eigen::Vector3d::Zero()).values;
-  EXPECT_LT((values - sums).norm(), 1e-12 * sums.norm());
-  EXPECT_GT(std::abs(sums[2]), 1e-8);
+INSTANTIATE_TEST_SUITE_P(Materials, ReducedParts,
+                         ::testing::Values(std::vector<Material>{Material{}}, std::vector<Material>{kMooney},
+                                           std::vector<Material>{kYeoh},
+                                           std::vector<Material>{Material{}, kMooney, kYeoh}));
+
+// The full model's elements are the judge of energy and forces.
+TEST_P(ReducedParts, ForcesAreThoseOfTheElements) {
+  const ReducedEnergy::Sums at = ReducedEnergy(body, basis).sums(q, r);
+  const Eigen::VectorXd moved = basis.modes * q;
+  const Eigen::Matrix3Xd positions_m = body.mesh().nodes_m + moved.reshaped(3, moved.size() / 3);
+  const Elements elements(body, BlockMatrix(body.mesh().node_count(), stiffness_cliques(body)));
+  Eigen::Matrix3Xd forces_n = -body.external_forces_n();
+  const ElementSums sums = elements.add_gradient(positions_m, basis.pressures * r, forces_n);
+  const Eigen::VectorXd expected = basis.modes.transpose() * forces_n.reshaped();
+  EXPECT_LT((at.force - expected).norm(), 1e-10 * expected.norm());
+  const Eigen::VectorXd p_pa = basis.pressures * r, v_m3 = elements.rest_volumes_m3();
+  const Eigen::VectorXd mismatch = sums.volumetric_strain - p_pa.cwiseQuotient(elements.lambda_pa());
+  EXPECT_LT((at.mismatch - basis.pressures.transpose() * v_m3.cwiseProduct(mismatch)).norm(),
+            1e-9 * at.mismatch.norm());
+  const double volumetric_j = v_m3.dot(p_pa.cwiseProduct(sums.volumetric_strain - 0.5 * p_pa.cwiseQuotient(elements.lambda_pa())));
+  const double loads_j = body.external_forces_n().cwiseProduct(positions_m - body.mesh().nodes_m).sum();
+  EXPECT_NEAR(at.value, sums.elastic_energy + volumetric_j - loads_j, 1e-10 * std::abs(sums.elastic_energy));
 }
 
-TEST_F(ReducedParts, ForcesAreTheSlopeOfTheEnergy) {
+TEST_P(ReducedParts, PolynomialsAreTheVolumesOfTheShape) {
+  const std::vector<RestPoint> points = rest_points(body.mesh(), basis.modes);
+  Eigen::Vector2d sums = Eigen::Vector2d::Zero();
+  for (const RestPoint& point : points) {
+    const double growth = (Eigen::Matrix3d::Identity() + point.displacement_gradient(q)).determinant() - 1.0;
+    sums += point.weight_m3 * growth * basis.pressures.row(point.element).transpose();
+  }
+  const Eigen::VectorXd values = VolumePolynomials(points, basis.pressures).at(q, Eigen::Vector2d::Zero()).values;
+  EXPECT_LT((values - sums).norm(), 1e-12 * sums.norm());
+  EXPECT_GT(std::abs(sums[1]), 1e-8);
+}
+
+TEST_P(ReducedParts, ForcesAreTheSlopeOfTheEnergy) {
   const ReducedEnergy energy(body, basis);
   const ReducedEnergy::Sums at = energy.sums(q, r);
   const double d = 1e-5;
@@ -74,7 +109,7 @@ TEST_F(ReducedParts, ForcesAreTheSlopeOfTheEnergy) {
   }
 }
 
-TEST_F(ReducedParts, VolumeGradientsAreTheSlopeOfTheForcesByThePressures) {
+TEST_P(ReducedParts, VolumeGradientsAreTheSlopeOfTheForcesByThePressures) {
   const ReducedEnergy energy(body, basis);
   const Eigen::MatrixXd gradients = energy.volume_gradients(q);
   const Eigen::VectorXd force = energy.sums(q, r).force;
@@ -84,9 +119,9 @@ TEST_F(ReducedParts, VolumeGradientsAreTheSlopeOfTheForcesByThePressures) {
   }
 }
 
-TEST_F(ReducedParts, TheHessianIsTheSlopeOfTheForces) {
+TEST_P(ReducedParts, TheHessianIsTheSlopeOfTheForces) {
   ReducedEnergy energy(body, basis);
-  energy.keep_points(random_matrix(static_cast<Eigen::Index>(energy.points().size()), 1, 3));
+  energy.keep_points(random_matrix(static_cast<Eigen::Index>(energy.points().size()), 1, 3), body);
   const Eigen::MatrixXd hessian = energy.hessian(q, r);
   const double d = 1e-5;
   for (Eigen::Index i = 0; i < 4; ++i) {
@@ -96,9 +131,9 @@ TEST_F(ReducedParts, TheHessianIsTheSlopeOfTheForces) {
   }
 }
 
-TEST_F(ReducedParts, PointForcesAndPolynomialsAddUpToTheForce) {
+TEST_P(ReducedParts, PointForcesAndPolynomialsAddUpToTheForce) {
   ReducedEnergy all(body, basis), none(body, basis);
-  none.keep_points(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(none.points().size())));
+  none.keep_points(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(none.points().size())), body);
   const Eigen::VectorXd points = all.point_forces(q).rowwise().sum();
   const Eigen::VectorXd force = all.sums(q, r).force;
   EXPECT_LT((none.sums(q, r).force + points - force).norm(), 1e-12 * force.norm());

@@ -45,8 +45,12 @@ ContactState Audit::contact_at(const Eigen::Matrix3Xd& positions_m, const Reduce
 
 AuditResult Audit::iterate(const ReducedState& state, const Eigen::VectorXd* acceleration) {
   const Eigen::Matrix3Xd start_m = reduced_.positions_m(state.at.q);
-  NewtonState at{start_m, reduced_.basis.pressures * state.at.pressures,     state.at.multipliers,
-                 {},      std::make_shared<const DriveStates>(state.drives), contact_at(start_m, state)};
+  NewtonState at{start_m,
+                 reduced_.basis.pressures * state.at.pressures,
+                 state.at.multipliers,
+                 Eigen::VectorXd::Zero(newton_->friction_contact_count()),
+                 std::make_shared<const DriveStates>(state.drives),
+                 contact_at(start_m, state)};
   Eigen::Matrix3Xd predicted_m;
   NewtonTask task;
   task.tolerance = kResidual;

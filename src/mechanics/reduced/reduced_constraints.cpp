@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduced_constraints.h"
 
+#include <set>
 #include <stdexcept>
+#include <string>
 
 namespace soft_robot_lab {
 namespace {
 
-void refuse_memory(const Actuator& actuator) {
-  if (actuator.friction_contacts().empty() && actuator.rest_state().memory.size() == 0) return;
-  throw std::invalid_argument("actuator '" + actuator.name() +
-                              "': a reduced model knows only cables of model sliding, springs without damping, and "
-                              "chambers of model implicit without a regulator");
+[[noreturn]] void refuse(const Actuator& actuator, const std::string& what) {
+  throw std::invalid_argument("actuator '" + actuator.name() + "': a reduced model knows no " + what);
+}
+
+// What acts in the first step of a time.
+DriveState in_a_step(const Actuator& actuator, const Eigen::Matrix3Xd& rest_m) {
+  DriveState drive = actuator.rest_state();
+  const Eigen::Matrix3Xd still = Eigen::Matrix3Xd::Zero(3, rest_m.cols());
+  actuator.begin_step({1.0, rest_m, still, std::vector<double>(actuator.constraints().size(), 0.0)}, drive);
+  return drive;
 }
 
 // A member of a volume's triples, as it moves with the modes.
@@ -46,28 +53,67 @@ DeterminantSum sum_of(const EnclosedVolume& surface, const Eigen::Matrix3Xd& res
 }  // namespace
 
 ReducedConstraints::ReducedConstraints(const Model& model, const Eigen::MatrixXd& modes) : modes_(modes.cols()) {
-  const Eigen::Matrix3Xd& rest_m = model.body().mesh().nodes_m;
   std::vector<DeterminantSum> volumes;
   for (std::size_t i = 0; i < model.actuators().size(); ++i) {
     const Actuator& actuator = *model.actuators()[i];
-    refuse_memory(actuator);
+    begin_steps_ |= actuator.friction_contacts().empty() && actuator.rest_state().memory.size() > 0;
+    for (const FrictionContact* contact : actuator.friction_contacts())
+      rubbing_.contacts.push_back(
+          {contact, static_cast<int>(count()) + contact->first, static_cast<int>(count()) + contact->second});
     for (const Constraint* constraint : actuator.constraints()) {
-      if (const auto* length = dynamic_cast<const PathLength*>(constraint)) {
-        if (length->path().finds_its_way())
-          throw std::invalid_argument("actuator '" + actuator.name() + "': a reduced model knows no cable with around");
-        add_cable(*length, rest_m, modes);
-      } else if (const auto* volume = dynamic_cast<const ChamberVolume*>(constraint)) {
-        chambers_.push_back({static_cast<Eigen::Index>(count()), volume->volume_m3(rest_m)});
-        volumes.push_back(sum_of(volume->surface(), rest_m, modes));
-      } else {
-        throw std::invalid_argument("actuator '" + actuator.name() +
-                                    "': a reduced model knows only cables and chambers");
-      }
+      add_constraint(*constraint, actuator, model, modes, volumes);
       all_.push_back(constraint);
       actuators_.push_back(i);
     }
   }
   if (!volumes.empty() && modes_ > 0) volumes_.emplace(volumes);
+  if (!rubbing_.contacts.empty()) find_rubbing(model, modes);
+}
+
+void ReducedConstraints::add_constraint(const Constraint& constraint, const Actuator& actuator, const Model& model,
+                                        const Eigen::MatrixXd& modes, std::vector<DeterminantSum>& volumes) {
+  const Eigen::Matrix3Xd& rest_m = model.body().mesh().nodes_m;
+  if (const auto* length = dynamic_cast<const PathLength*>(&constraint)) {
+    if (length->path().finds_its_way()) refuse(actuator, "cable with around");
+    add_cable(*length, rest_m, modes);
+  } else if (const auto* volume = dynamic_cast<const ChamberVolume*>(&constraint)) {
+    if (volume->is_load(in_a_step(actuator, rest_m))) refuse(actuator, "chamber of model explicit");
+    chambers_.push_back({static_cast<Eigen::Index>(count()), volume->volume_m3(rest_m)});
+    volumes.push_back(sum_of(volume->surface(), rest_m, modes));
+  } else {
+    refuse(actuator, "actuator but cables, without around and with implicit forces, and chambers");
+  }
+}
+
+void ReducedConstraints::find_rubbing(const Model& model, const Eigen::MatrixXd& modes) {
+  rubbing_.rest_m = model.body().mesh().nodes_m;
+  std::set<int> nodes;
+  for (const Cable& cable : cables_)
+    for (const EmbeddedPoint& point : cable.path->points()) nodes.insert(point.nodes.begin(), point.nodes.end());
+  rubbing_.nodes.assign(nodes.begin(), nodes.end());
+  rubbing_.modes.resize(static_cast<Eigen::Index>(3 * nodes.size()), modes_);
+  for (std::size_t i = 0; i < rubbing_.nodes.size(); ++i)
+    rubbing_.modes.middleRows<3>(static_cast<Eigen::Index>(3 * i)) = modes.middleRows<3>(3 * rubbing_.nodes[i]);
+}
+
+Eigen::Matrix3Xd ReducedConstraints::Rubbing::positions_m(const Eigen::VectorXd& q) const {
+  Eigen::Matrix3Xd all_m = rest_m;
+  const Eigen::VectorXd moved = modes * q;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    all_m.col(nodes[i]) += moved.segment<3>(static_cast<Eigen::Index>(3 * i));
+  return all_m;
+}
+
+Eigen::MatrixXd ReducedConstraints::log_ratio_gradients(const Eigen::VectorXd& q) const {
+  Eigen::MatrixXd all(modes_, friction_contact_count());
+  if (all.cols() == 0) return all;
+  const Eigen::Matrix3Xd positions_m = rubbing_.positions_m(q);
+  for (Eigen::Index j = 0; j < all.cols(); ++j) {
+    Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
+    rubbing_.contacts[static_cast<std::size_t>(j)].law->add_log_ratio_gradient(positions_m, 1.0, gradient);
+    all.col(j) = rubbing_.modes.transpose() * gradient(Eigen::all, rubbing_.nodes).reshaped();
+  }
+  return all;
 }
 
 void ReducedConstraints::add_cable(const PathLength& length, const Eigen::Matrix3Xd& rest_positions_m,
@@ -124,6 +170,10 @@ ReducedConstraints::Values ReducedConstraints::at(const Eigen::VectorXd& q, cons
     const auto row = static_cast<Eigen::Index>(c);
     result.laws.push_back(all_[c]->law(amounts[row], multipliers[row], drives[actuators_[c]]));
   }
+  if (rubbing_.contacts.empty()) return result;
+  const Eigen::Matrix3Xd positions_m = rubbing_.positions_m(q);
+  for (const Rubbing::Contact& contact : rubbing_.contacts)
+    result.friction_contacts.push_back({contact.first, contact.second, contact.law->ratio(positions_m)});
   return result;
 }
 

@@ -21,26 +21,20 @@ constexpr int kMostJumps = 3;               // where skin comes to lie elsewhere
 constexpr int kMostRounds = 4;              // in which a step learns what skin it leads into
 constexpr double kLongestStep = 0.05;       // of the body's size, rms: further out Newton's model means nothing
 
-// Multipliers at which every constraint obeys its law after the step d0 - response * multipliers.
-Eigen::VectorXd multipliers_after(const ReducedConstraints::Values& constraints, const Eigen::VectorXd& step,
+// Multipliers at which every constraint obeys its law after the step d0 - response * multipliers; and slips.
+Multipliers multipliers_after(const ReducedConstraints::Values& constraints, const Eigen::VectorXd& step,
                                   const Eigen::MatrixXd& response, const Eigen::VectorXd& multipliers) {
   MultiplierProblem problem;
   problem.delassus = constraints.gradients.transpose() * response;
   problem.excess = constraints.gradients.transpose() * step;
   problem.laws = constraints.laws;
+  problem.friction_contacts = constraints.friction_contacts;
   for (Eigen::Index i = 0; i < multipliers.size(); ++i) {
     const ConstraintLaw& law = constraints.laws[static_cast<std::size_t>(i)];
     problem.delassus(i, i) += law.compliance;
     problem.excess[i] += law.offset;
   }
-  const Multipliers found = solve_multipliers(problem, multipliers);
-  return found.found ? found.y : Eigen::VectorXd();
-}
-
-ReducedUnknowns moved(const ReducedUnknowns& from, const Eigen::VectorXd& step, const Eigen::VectorXd& multipliers,
-                      const Eigen::VectorXd& pushes_n, double share) {
-  return {from.q + share * step.head(from.q.size()), from.pressures + share * step.tail(from.pressures.size()),
-          from.multipliers + share * multipliers, from.pushes_n + share * pushes_n};
+  return solve_multipliers(problem, multipliers);
 }
 
 // Skin that touches at the end of a motion and is not among `here`, as it would be seen from where that begins.
@@ -84,12 +78,21 @@ Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints:
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(m + y, m + y);
   matrix.topLeftCorner(m, m) = inner;
   const double stiffness = inner.topLeftCorner(n, n).norm();
-  for (Eigen::Index c = 0; c < y; ++c) {
-    const ConstraintLaw& law = constraints.laws[static_cast<std::size_t>(c)];
-    const bool acts = active(law, multipliers[c]);
-    const double scale = stiffness / std::max(constraints.gradients.col(c).norm(), 1e-300);
-    if (acts) matrix.col(m + c).head(n) = matrix.row(m + c).head(n) = scale * constraints.gradients.col(c);
-    matrix(m + c, m + c) = acts ? -scale * scale * law.compliance : -stiffness;
+  const std::vector<int> group = slipping_groups({{}, {}, constraints.laws, constraints.friction_contacts}, multipliers);
+  for (int g = 0; g < y; ++g) {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
+    double compliance = 0.0;
+    bool acts = false;
+    for (Eigen::Index c = 0; c < y; ++c) {
+      const ConstraintLaw& law = constraints.laws[static_cast<std::size_t>(c)];
+      if (group[static_cast<std::size_t>(c)] != g || !active(law, multipliers[c])) continue;
+      acts = true;
+      gradient += constraints.gradients.col(c);
+      compliance += law.compliance;
+    }
+    const double scale = stiffness / std::max(gradient.norm(), 1e-300);
+    if (acts) matrix.col(m + g).head(n) = matrix.row(m + g).head(n) = scale * gradient;
+    matrix(m + g, m + g) = acts ? -scale * scale * compliance : -stiffness;
   }
   return matrix;
 }
@@ -135,12 +138,15 @@ ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point
   const Eigen::MatrixXd solved = inverse_ * sides;
   if (!solved.allFinite()) return step;
   const Eigen::MatrixXd response = solved.rightCols(before.size());
-  const Eigen::VectorXd after = multipliers_after(constraints, solved.col(0).head(n), response.topRows(n), before);
-  if (after.size() != before.size() || !after.allFinite()) return step;
+  const Multipliers found = multipliers_after(constraints, solved.col(0).head(n), response.topRows(n), before);
+  if (!found.found || !found.y.allFinite()) return step;
+  const Eigen::VectorXd& after = found.y;
   step.nodes_and_pressures = solved.col(0) - response * after;
   step.multipliers = after.head(own) - here.at.multipliers;
   step.pushes_n = -here.at.pushes_n;
   step.pushes_n(constraints.touching()) += after.tail(after.size() - own);
+  step.slips_m = -here.at.slips_m;
+  if (here.at.slips_m.size() > 0) step.slips_m += found.slips_m;
   step.size_m = step.nodes_and_pressures.head(n).norm() / std::sqrt(model_->mass_kg);
   return step;
 }
@@ -148,6 +154,7 @@ ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point
 ReducedEnd ReducedNewton::solve(const ReducedTask& task, const DriveStates& drives, ReducedUnknowns& unknowns) {
   const Problem problem{task, drives};
   ReducedEnd end;
+  unknowns.slips_m.setZero(model_->constraints.friction_contact_count());
   Point here = point_at(problem, unknowns, skin_.at(unknowns.q, unknowns.pushes_n));
   fresh_ = false;
   if (task.inertia_per_s2 != inverse_inertia_) factorise(problem, here, end);
@@ -161,9 +168,16 @@ ReducedEnd ReducedNewton::solve(const ReducedTask& task, const DriveStates& driv
       step = step_from(problem, here, end);
     }
   end.converged = step.size_m < task.tolerance_m;
-  unknowns = end.converged ? moved(here.at, step.nodes_and_pressures, step.multipliers, step.pushes_n, 1.0) : here.at;
+  unknowns = end.converged ? moved(here.at, step, 1.0) : here.at;
   if (!end.converged) inverse_inertia_ = -1.0;
   return end;
+}
+
+ReducedUnknowns ReducedNewton::moved(const ReducedUnknowns& from, const Step& step, double share) {
+  return {from.q + share * step.nodes_and_pressures.head(from.q.size()),
+          from.pressures + share * step.nodes_and_pressures.tail(from.pressures.size()),
+          from.multipliers + share * step.multipliers, from.pushes_n + share * step.pushes_n,
+          from.slips_m + share * step.slips_m};
 }
 
 double ReducedNewton::longest_share(const Step& step) const {
@@ -173,7 +187,7 @@ double ReducedNewton::longest_share(const Step& step) const {
 ReducedNewton::Point ReducedNewton::end_of(const Problem& problem, double share, Point& here, Step& step,
                                            ReducedEnd& end) {
   for (int round = 0;; ++round) {
-    ReducedUnknowns there = moved(here.at, step.nodes_and_pressures, step.multipliers, step.pushes_n, share);
+    ReducedUnknowns there = moved(here.at, step, share);
     const std::vector<ReducedSkin::Touch> touches = skin_.at(there.q, there.pushes_n);
     const std::vector<ReducedSkin::Touch> met = met_by(there.q - here.at.q, touches, here.constraints);
     if (met.empty() || round == kMostRounds) return point_at(problem, std::move(there), touches);

@@ -11,6 +11,7 @@ namespace soft_robot_lab {
 struct ReducedUnknowns {
   Eigen::VectorXd q, pressures, multipliers;  // of modes, of elements, of constraints
   Eigen::VectorXd pushes_n;                   // of ReducedSkin
+  Eigen::VectorXd slips_m = {};               // per friction contact, since the step began
 };
 
 // Inertia inertia_per_s2 / 2 |q - from|^2, on top of the energy: 1/h^2 of a time step, zero of an equilibrium.
@@ -35,11 +36,12 @@ Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns&
 Eigen::VectorXd all_multipliers(const ReducedUnknowns& at, const ReducedConstraints::Values& constraints);
 
 // A matrix whose first rows and columns are q's, with a row and column for each constraint below: its gradient where
-// it acts, scaled to the matrix, and a negative pivot alone where it does not, as a slack cable.
+// it acts, scaled to the matrix, and a negative pivot alone where it does not, as a slack cable. Constraints between
+// which length slips act as one (slipping_groups).
 Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints::Values& constraints,
                          const Eigen::VectorXd& multipliers);
 
-// Newton's method on q, pressures and multipliers together; the constraints are a border (MultiplierProblem). A step is
+// Newton's method on q, pressures and multipliers together; the constraints are a border (MultiplierProblem), cables with friction too. A step is
 // cut until the next one by the same inverse is shorter (natural monotonicity test, Deuflhard 2004, 3.3). An inverse
 // serves, also in further solves, as long as each step is less than 0.3 of the one before.
 // What a step would lead into of skin is learnt before it is taken. Where no share of a step passes, as skin comes to
@@ -70,12 +72,13 @@ class ReducedNewton {
     ReducedEnergy::Sums sums;
   };
   struct Step {
-    Eigen::VectorXd nodes_and_pressures, multipliers, pushes_n;  // changes
-    double size_m = 0.0;                                         // rms; infinity: none found
+    Eigen::VectorXd nodes_and_pressures, multipliers, pushes_n, slips_m;  // changes
+    double size_m = 0.0;                                                  // rms; infinity: none found
   };
   Point point_at(const Problem& problem, ReducedUnknowns at, const std::vector<ReducedSkin::Touch>& touches) const;
   void factorise(const Problem& problem, const Point& here, ReducedEnd& end);
   Step step_from(const Problem& problem, const Point& here, ReducedEnd& end) const;
+  static ReducedUnknowns moved(const ReducedUnknowns& from, const Step& step, double share);
   double longest_share(const Step& step) const;
   // Where a share of the step leads. The step heeds the skin that it leads into: in rounds, as it leads elsewhere then.
   Point end_of(const Problem& problem, double share, Point& here, Step& step, ReducedEnd& end);

@@ -101,6 +101,30 @@ ReducedSimulation::CommandPath ReducedSimulation::advance_drives(double h) {
   return path;
 }
 
+void ReducedSimulation::begin_step(double h) {
+  if (!model_->constraints.begin_steps()) return;
+  const Eigen::VectorXd velocities = model_->basis.modes * state_.velocity;
+  const Eigen::Matrix3Xd shape_m = positions_m(), velocities_m_s = velocities.reshaped(3, velocities.size() / 3);
+  const double* multiplier = state_.at.multipliers.data();
+  for (std::size_t i = 0; i < state_.drives.size(); ++i) {
+    const Actuator& actuator = *model_->full->actuators()[i];
+    const std::size_t count = actuator.constraints().size();
+    actuator.begin_step({h, shape_m, velocities_m_s, {multiplier, multiplier + count}}, state_.drives[i]);
+    multiplier += count;
+  }
+}
+
+void ReducedSimulation::keep_slips() {
+  const double* slip = state_.at.slips_m.data();
+  for (std::size_t i = 0; i < state_.drives.size(); ++i) {
+    const Actuator& actuator = *model_->full->actuators()[i];
+    const std::size_t count = actuator.friction_contacts().size();
+    actuator.end_step({slip, slip + count}, state_.drives[i]);
+    slip += count;
+  }
+  state_.at.slips_m.setZero();
+}
+
 // A velocity of implicit Euler is that of the middle of its step.
 Eigen::VectorXd ReducedSimulation::predicted(double h) const {
   const double before_s = state_.previous_step_s;
@@ -114,6 +138,7 @@ bool ReducedSimulation::advance(double h, const CommandPath& path, double from, 
   const double part_s = (to - from) * h;
   for (std::size_t i = 0; i < state_.drives.size(); ++i)
     model_->full->actuators()[i]->place(path.from[i] + to * (path.to[i] - path.from[i]), state_.drives[i]);
+  begin_step(part_s);
   state_.at.q = predicted(part_s);
   const ReducedTask task{1.0 / (part_s * part_s), before.at.q + part_s * before.velocity, step_tolerance_m_};
   const ReducedEnd end = newton_.solve(task, state_.drives, state_.at);
@@ -123,6 +148,7 @@ bool ReducedSimulation::advance(double h, const CommandPath& path, double from, 
     state_.previous_step_s = part_s;
     state_.velocity = (state_.at.q - before.at.q) / part_s;
     state_.time_s += part_s;
+    keep_slips();
     return true;
   }
   state_ = before;
@@ -136,6 +162,7 @@ bool ReducedSimulation::relax(int most_iterations, ReducedReport& report) {
   count(end, report);
   if (!end.converged || end.iterations > most_iterations || !newton_.stable(state_.drives, trial)) return false;
   state_.at = trial;
+  keep_slips();
   return true;
 }
 
@@ -200,6 +227,7 @@ void ReducedSimulation::come_to_rest() {
   state_.velocity.setZero();
   state_.previous_velocity.setZero();
   state_.previous_step_s = 0.0;
+  begin_step(std::numeric_limits<double>::infinity());
 }
 
 ReducedReport ReducedSimulation::solve_nearby() {
@@ -213,9 +241,30 @@ ReducedReport ReducedSimulation::solve_equilibrium() {
   return run([this](ReducedReport& report) { seek_equilibrium(report); });
 }
 
+// What slips hangs on the way: commands come in stages as long as Newton's method bears. Another state's cable would
+// hold other stretches, and a search swings to and fro.
+bool ReducedSimulation::relax_along_commands(const std::vector<double>& from, ReducedReport& report) {
+  for (double done = 0.0, stage = 1.0; done < 1.0;) {
+    const double share = std::min(1.0, done + stage);
+    for (std::size_t i = 0; i < from.size(); ++i)
+      model_->full->actuators()[i]->place(from[i] + share * (state_.drives[i].command - from[i]), state_.drives[i]);
+    const bool rests = relax(kNearIterations, report);
+    if (rests) done = share;
+    stage *= rests ? 2.0 : 0.5;
+    if (stage < kShortestPart) return false;
+  }
+  return true;
+}
+
 void ReducedSimulation::seek_equilibrium(ReducedReport& report) {
   const bool from_rest = at_rest_commands();
+  std::vector<double> commands;
+  for (const DriveState& drive : state_.drives) commands.push_back(drive.actuated_command);
   come_to_rest();
+  if (model_->constraints.friction_contact_count() > 0) {
+    report.converged = relax_along_commands(commands, report);
+    return;
+  }
   report.converged = relax(kNearIterations, report) || (from_rest && relax_beside_known_rests(report));
   const bool searches = !from_rest || model_->rests.commands.cols() == 0;
   // Down the energy with a proximal term that fades (pseudo-transient continuation, Kelley & Keyes 1998), but not so

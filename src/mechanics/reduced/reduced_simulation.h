@@ -46,7 +46,8 @@ class ReducedSimulation {
 
   // The stable rest state near the present one; where there is none, and the actuators come from their rest commands,
   // that beside one to which training went from there. Where none of those leads to one it has not converged, as which
-  // of several sides a search takes is chance. From elsewhere it searches. Where it fails the state stays as it was.
+  // of several sides a search takes is chance. From elsewhere it searches. With cables that rub it goes along the
+  // commands, and no further. Where it fails the state stays as it was.
   ReducedReport solve_equilibrium();
 
   // The same by Newton's method alone: converges only to what is near. Where it does not the state stays as it was.
@@ -74,10 +75,14 @@ class ReducedSimulation {
   Eigen::VectorXd predicted(double h) const;
   // The part of a step of length h from one share of it to another.
   bool advance(double h, const CommandPath& path, double from, double to, ReducedReport& report);
+  // Actuator::begin_step and end_step.
+  void begin_step(double h);
+  void keep_slips();
   void come_to_rest();
   bool relax(int most_iterations, ReducedReport& report);
   void seek_equilibrium(ReducedReport& report);
   bool at_rest_commands() const;
+  bool relax_along_commands(const std::vector<double>& from, ReducedReport& report);
   bool relax_beside_known_rests(ReducedReport& report);
 
   std::shared_ptr<const ReducedModel> model_;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iostream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -183,6 +184,42 @@ TEST(ReducedChamber, SwellsAndRestsAsTheFullModel) {
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
   EXPECT_GT((simulation.positions_m() - full->body().mesh().nodes_m).colwise().norm().maxCoeff(), 0.5e-3);
   EXPECT_GT(-simulation.state().at.multipliers[0], 1000.0);  // its gauge pressure
+}
+
+// A cable that rubs: where its bar rests depends on the way.
+class ReducedRub : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    model_ = train(hanging_bar("pull_speed_m_s: 0.02, model: friction, friction_coefficient: 0.3").model(),
+                   small_training());
+  }
+  static void TearDownTestSuite() { model_.reset(); }
+  static std::shared_ptr<const ReducedModel> model_;
+};
+std::shared_ptr<const ReducedModel> ReducedRub::model_;
+
+TEST_F(ReducedRub, RestsAndSwingsAsTheFullModel) {
+  const HeldOut held_out(model_->full, model_->box, 5, 1.5);
+  const ReducedError rest = held_out.equilibria(model_), motion = held_out.transient(model_);
+  EXPECT_EQ(rest.unsolved + motion.unsolved, 0);
+  EXPECT_LT(rest.rms_m, 0.05e-3);
+  EXPECT_LT(motion.rms_m, 0.1e-3);
+  EXPECT_LT(rest.max_m, 0.2e-3);
+}
+
+TEST_F(ReducedRub, Dbg) {
+  Simulation full(model_->full);
+  ReducedSimulation fast(model_);
+  for (std::size_t i = 0; i < 5; ++i) {
+    full.reset(); fast.reset();
+    const auto c = commands_in(model_->box, 5000 + i);
+    command(c, full); command(c, fast);
+    const SolveReport a = full.solve_equilibrium();
+    const ReducedReport b = fast.solve_equilibrium();
+    std::string path; for (const auto& x : a.path) path += std::to_string(static_cast<int>(x.stage)) + "x" + std::to_string(x.count) + " ";
+    std::cout << c[0] << " full it " << a.iterations << " path " << path << " tip " << full.marker_position(0).transpose()
+      << " y " << full.state().constraint_multipliers.transpose() << "\n  fast it " << b.iterations << " steps " << b.steps << " tip " << model_->full->markers()[0].position(fast.positions_m()).transpose() << " y " << fast.state().at.multipliers.transpose() << "\n mem " << full.state().drives[0].memory.transpose() << "\n mem " << fast.state().drives[0].memory.transpose() << "\n";
+  }
 }
 
 // A column of 100 mm with a cable on either side: both pulled, it buckles to the front or to the back. Gravity leans

@@ -52,6 +52,9 @@ class ChamberVolume : public Constraint {
   // `supply` outlives this.
   ChamberVolume(EnclosedVolume surface, const Supply& supply) : surface_(std::move(surface)), supply_(supply) {}
 
+  // Whether its pressure is a load of the shape with which the step began.
+  bool is_load(const DriveState& drive) const { return supply_.load_positions_m(drive).has_value(); }
+
   std::vector<EmbeddedPoint> carried_points() const override { return surface_.cap_centres(); }
   std::vector<Clique> cliques() const override { return surface_.cliques(); }
   double value(const Eigen::Matrix3Xd& positions_m, const DriveState& drive) const override;

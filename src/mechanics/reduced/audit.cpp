@@ -33,7 +33,8 @@ AuditResult Audit::at_rest(const ReducedState& state) { return iterate(state, nu
 AuditResult Audit::in_motion(const ReducedState& state) {
   const double h = state.previous_step_s;
   if (h == 0.0) return iterate(state, nullptr);
-  const Eigen::VectorXd acceleration = (state.velocity - state.previous_velocity) / h;
+  const double drag_per_s = full_->body().viscosity().rayleigh_mass_per_s;
+  const Eigen::VectorXd acceleration = (state.velocity - state.previous_velocity) / h + drag_per_s * state.velocity;
   return iterate(state, &acceleration);
 }
 

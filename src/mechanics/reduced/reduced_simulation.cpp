@@ -140,7 +140,9 @@ bool ReducedSimulation::advance(double h, const CommandPath& path, double from, 
     model_->full->actuators()[i]->place(path.from[i] + to * (path.to[i] - path.from[i]), state_.drives[i]);
   begin_step(part_s);
   state_.at.q = predicted(part_s);
-  const ReducedTask task{1.0 / (part_s * part_s), before.at.q + part_s * before.velocity, step_tolerance_m_};
+  const double slowed = 1.0 + model_->full->body().viscosity().rayleigh_mass_per_s * part_s;  // as newton's steps
+  const ReducedTask task{slowed / (part_s * part_s), before.at.q + part_s / slowed * before.velocity,
+                         step_tolerance_m_};
   const ReducedEnd end = newton_.solve(task, state_.drives, state_.at);
   count(end, report);
   if (end.converged) {

@@ -24,7 +24,7 @@ void require_supported(const Model& model) {
   for (const TouchingBodies& pair : body.touching_bodies())
     if (pair.friction > 0.0) what = "friction of skin on skin";
   if (body.holds_move()) what = "held regions that move";
-  if (body.viscosity().rayleigh_mass_per_s > 0.0 || body.viscosity().of_strain()) what = "viscosity";
+  if (body.viscosity().of_strain()) what = "viscosity of the strain, nor hysteresis";
   if (body.linear_volume() != LinearVolume::element) what = "vertex-averaged volumes";
   if (model.options().method != SolverOptions::Method::newton) what = "training with a method other than newton";
   if (model.options().integrator != Integrator::implicit_euler) what = "an integrator other than implicit_euler";

@@ -30,12 +30,6 @@ CommandBox read_command_box(const YamlNode& solver, const Simulation& simulation
   return box;
 }
 
-void refuse_other_questions(const YamlNode& settings, const RunSettings& run) {
-  if (run.mode == RunMode::modal)
-    settings.child("run").fail("mode modal is not for solver.method reduced; choose newton");
-  if (run.sensitivity) settings.child("run").fail("sensitivity is not for solver.method reduced; choose newton");
-}
-
 }  // namespace
 
 void refuse_unknown_reduced(const YamlNode& scene, const SceneOptions& options) {
@@ -57,7 +51,8 @@ std::optional<ReducedRequest> read_reduced(const YamlNode& settings, const Scene
   request.box = read_command_box(solver, *scene.simulation);
   request.may_narrow = !solver.has("commands");
   if (use == ReducedUse::by_newton) return std::nullopt;
-  if (use == ReducedUse::trained) refuse_other_questions(settings, scene.run);
+  if (use == ReducedUse::trained && scene.run.mode == RunMode::modal)
+    settings.child("run").fail("mode modal is not for solver.method reduced; choose newton");
   return request;
 }
 

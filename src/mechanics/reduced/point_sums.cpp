@@ -160,8 +160,8 @@ class RivlinSlope {
     const Batch along_turned = slope * at_.grown - at_.beyond;
     Flat column;
     for (int c = 0; c < 9; ++c)
-      column.m[c] = along_f * f_.m[c] + along_cofactor * at_.cofactor.m[c] + at_.beyond * a.m[c] +
-                    along_turned * turned.m[c];
+      column.m[c] =
+          along_f * f_.m[c] + along_cofactor * at_.cofactor.m[c] + at_.beyond * a.m[c] + along_turned * turned.m[c];
     if (!invariant_) return column;
     Flat both = transposed_product(f_, a);
     const Flat one_way = both;
@@ -169,8 +169,9 @@ class RivlinSlope {
       for (int i = 0; i < 3; ++i) both.m[3 * c + i] += one_way.m[3 * i + c];
     const Flat stretched = product(f_, both), across = product(a, squared_);
     for (int c = 0; c < 9; ++c)
-      column.m[c] += two * law_.c01 *
-                     (two * of_f * f_.m[c] + (at_.i1 - splat(1.0)) * a.m[c] - across.m[c] - stretched.m[c] - turned.m[c]);
+      column.m[c] +=
+          two * law_.c01 *
+          (two * of_f * f_.m[c] + (at_.i1 - splat(1.0)) * a.m[c] - across.m[c] - stretched.m[c] - turned.m[c]);
     return column;
   }
 

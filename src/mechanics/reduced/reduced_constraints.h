@@ -28,7 +28,7 @@ class ReducedConstraints {
     std::vector<ConstraintLaw> laws;
     std::vector<std::vector<Path::Span>> spans;  // per cable
     std::vector<FrictionContactBound> friction_contacts;
-    std::vector<ReducedSkin::Touch> touches;     // constraints after the others
+    std::vector<ReducedSkin::Touch> touches;  // constraints after the others
 
     void add(const std::vector<ReducedSkin::Touch>& more);
     std::vector<Eigen::Index> touching() const;  // places of `touches`

@@ -67,8 +67,8 @@ ReducedEnergy::Sums ReducedEnergy::sums(const Eigen::VectorXd& q, const Eigen::V
   Sums result;
   result.force = stretched + linear_ + volumes.gradient - loads_;
   const Eigen::VectorXd squeezed = bulk_compliance_ * r;
-  result.value = linear_.dot(q) + 0.5 * q.dot(stretched) + volumes.values.dot(of_volumes) - 0.5 * r.dot(squeezed) -
-                 loads_.dot(q);
+  result.value =
+      linear_.dot(q) + 0.5 * q.dot(stretched) + volumes.values.dot(of_volumes) - 0.5 * r.dot(squeezed) - loads_.dot(q);
   result.value += point_sums_.add_force(q, result.force);
   result.mismatch = volumes.values.head(r.size()) - squeezed;
   return result;

@@ -22,8 +22,8 @@ struct ReducedBasis {
 
 // The saddle function of a body without cables and chambers, least in q and greatest in r:
 //   sum w mu/2 (|F|^2 - 3) - c_K + sum z w R(F) + r'c - r'B r / 2 - f'q,   B = P' V / lambda P of the pressures P
-// All is an exact polynomial (VolumePolynomials; c_K is the last of them, sum w mu (J - 1)) but the third term, the rest
-// of the law (PointSums), a sum over few points of weights z w (cubature).
+// All is an exact polynomial (VolumePolynomials; c_K is the last of them, sum w mu (J - 1)) but the third term, the
+// rest of the law (PointSums), a sum over few points of weights z w (cubature).
 class ReducedEnergy {
  public:
   // With every quadrature point, z = 1.

@@ -23,7 +23,7 @@ constexpr double kLongestStep = 0.05;       // of the body's size, rms: further 
 
 // Multipliers at which every constraint obeys its law after the step d0 - response * multipliers; and slips.
 Multipliers multipliers_after(const ReducedConstraints::Values& constraints, const Eigen::VectorXd& step,
-                                  const Eigen::MatrixXd& response, const Eigen::VectorXd& multipliers) {
+                              const Eigen::MatrixXd& response, const Eigen::VectorXd& multipliers) {
   MultiplierProblem problem;
   problem.delassus = constraints.gradients.transpose() * response;
   problem.excess = constraints.gradients.transpose() * step;
@@ -78,7 +78,8 @@ Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints:
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(m + y, m + y);
   matrix.topLeftCorner(m, m) = inner;
   const double stiffness = inner.topLeftCorner(n, n).norm();
-  const std::vector<int> group = slipping_groups({{}, {}, constraints.laws, constraints.friction_contacts}, multipliers);
+  const std::vector<int> group =
+      slipping_groups({{}, {}, constraints.laws, constraints.friction_contacts}, multipliers);
   for (int g = 0; g < y; ++g) {
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
     double compliance = 0.0;
@@ -230,8 +231,8 @@ bool ReducedNewton::stable(const DriveStates& drives, const ReducedUnknowns& at,
   const Eigen::Index n = at.q.size(), r = at.pressures.size();
   const Eigen::MatrixXd inner = reduced_matrix(*model_, at, constraints, inertia_per_s2);
   const Eigen::MatrixXd volumes = inner.topRightCorner(n, r);
-  Eigen::MatrixXd stiffness = inner.topLeftCorner(n, n) +
-                              volumes * model_->energy.bulk_compliance().llt().solve(volumes.transpose());
+  Eigen::MatrixXd stiffness =
+      inner.topLeftCorner(n, n) + volumes * model_->energy.bulk_compliance().llt().solve(volumes.transpose());
   if (!constraints.touches.empty()) stiffness += skin_.hessian(constraints.touches);
   const Eigen::MatrixXd matrix = bordered(stiffness, constraints, multipliers);
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)

@@ -41,11 +41,11 @@ Eigen::VectorXd all_multipliers(const ReducedUnknowns& at, const ReducedConstrai
 Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints::Values& constraints,
                          const Eigen::VectorXd& multipliers);
 
-// Newton's method on q, pressures and multipliers together; the constraints are a border (MultiplierProblem), cables with friction too. A step is
-// cut until the next one by the same inverse is shorter (natural monotonicity test, Deuflhard 2004, 3.3). An inverse
-// serves, also in further solves, as long as each step is less than 0.3 of the one before.
-// What a step would lead into of skin is learnt before it is taken. Where no share of a step passes, as skin comes to
-// lie on another face, the step is taken all the same, a few times.
+// Newton's method on q, pressures and multipliers together; the constraints are a border (MultiplierProblem), cables
+// with friction too. A step is cut until the next one by the same inverse is shorter (natural monotonicity test,
+// Deuflhard 2004, 3.3). An inverse serves, also in further solves, as long as each step is less than 0.3 of the one
+// before. What a step would lead into of skin is learnt before it is taken. Where no share of a step passes, as skin
+// comes to lie on another face, the step is taken all the same, a few times.
 class ReducedNewton {
  public:
   explicit ReducedNewton(const ReducedModel& model) : model_(&model), skin_(model.skin) {}  // which outlives it

@@ -76,7 +76,8 @@ TEST_P(ReducedParts, ForcesAreThoseOfTheElements) {
   const Eigen::VectorXd mismatch = sums.volumetric_strain - p_pa.cwiseQuotient(elements.lambda_pa());
   EXPECT_LT((at.mismatch - basis.pressures.transpose() * v_m3.cwiseProduct(mismatch)).norm(),
             1e-9 * at.mismatch.norm());
-  const double volumetric_j = v_m3.dot(p_pa.cwiseProduct(sums.volumetric_strain - 0.5 * p_pa.cwiseQuotient(elements.lambda_pa())));
+  const double volumetric_j =
+      v_m3.dot(p_pa.cwiseProduct(sums.volumetric_strain - 0.5 * p_pa.cwiseQuotient(elements.lambda_pa())));
   const double loads_j = body.external_forces_n().cwiseProduct(positions_m - body.mesh().nodes_m).sum();
   EXPECT_NEAR(at.value, sums.elastic_energy + volumetric_j - loads_j, 1e-10 * std::abs(sums.elastic_energy));
 }

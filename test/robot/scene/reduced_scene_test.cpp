@@ -385,7 +385,8 @@ TEST_F(ReducedScene, RefusesAnExplicitChamberByItsName) {
     load_scene(folder_->write("air.yaml", scene), options);
     ADD_FAILURE() << "not refused";
   } catch (const SettingsError& error) {
-    EXPECT_NE(std::string(error.what()).find("actuator 'main': a reduced model knows no chamber of model explicit"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("actuator 'main': a reduced model knows no chamber of model explicit"),
+              std::string::npos)
         << error.what();
   }
 }

@@ -115,6 +115,10 @@ class Actuator {
   // kept.
   virtual void end_step(const std::vector<double>& /*slips_m*/, DriveState& /*drive*/) const {}
 
+  // Until the next step begins it keeps `share` of what it has supplied in this state and no more, whatever its
+  // command, as a regulator whose valve is closed keeps its gas. False where it supplies nothing that could be kept.
+  virtual bool keep_supply(double /*share*/, const StepStart& /*now*/, DriveState& /*drive*/) const { return false; }
+
   // Empty, or why there is no rest state to be sought with this actuator.
   virtual std::string why_no_equilibrium() const { return ""; }
 

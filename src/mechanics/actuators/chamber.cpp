@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kMillilitre = 1e-6;   // m^3
 constexpr double kFlattest = 1e-6;     // of the surface's size cubed: less counts as no volume
+constexpr double kClosed = -1.0;       // in place of a step's length
 constexpr double kLeastAmount = 0.05;  // of the initial amount of gas: what may be left when it is pumped out
 constexpr double kLeastVolume = 1e-3;  // of the initial volume: a smaller one before a step counts as this one
 
@@ -148,8 +149,9 @@ IsothermalGas Chamber::gas_at(double command) const {
   return gas;
 }
 
-// The length of the step (0 in a search for a rest state); then where it began the amount of gas [J], which a regulator
-// starts from, or the places of the nodes, where the pressure is explicit. Empty for all others.
+// The length of the step (0 in a search for a rest state, kClosed with a closed valve); then where it began the amount
+// of gas [J], which a regulator starts from, or the places of the nodes, where the pressure is explicit. Empty for all
+// others.
 Eigen::VectorXd Chamber::initial_memory() const {
   if (kind_ == Command::gauge_pressure) return Eigen::Vector2d(0.0, initial_pressure_pa_ * initial_volume_m3_);
   return Eigen::VectorXd::Zero(explicit_ ? 1 + 3 * node_count_ : 0);
@@ -161,8 +163,18 @@ void Chamber::begin_step(const StepStart& start, DriveState& drive) const {
   if (explicit_) {
     drive.memory.tail(3 * node_count_) = Eigen::Map<const Eigen::VectorXd>(start.positions_m.data(), 3 * node_count_);
   } else {
-    drive.memory[1] = (initial_pressure_pa_ - start.multipliers.at(0)) * volume_->volume_m3(start.positions_m);
+    drive.memory[1] = gas_j(start);
   }
+}
+
+double Chamber::gas_j(const StepStart& at) const {
+  return (initial_pressure_pa_ - at.multipliers.at(0)) * volume_->volume_m3(at.positions_m);
+}
+
+bool Chamber::keep_supply(double share, const StepStart& now, DriveState& drive) const {
+  if (kind_ != Command::gauge_pressure) return false;
+  drive.memory << kClosed, share * gas_j(now);
+  return true;
 }
 
 std::optional<Eigen::Matrix3Xd> Chamber::load_positions_m(const DriveState& drive) const {
@@ -176,6 +188,10 @@ GasSupply Chamber::regulated(const DriveState& drive) const {
   supply.prescribed_pressure_pa = drive.actuated_command;
   supply.gas = supply.most_gas = gas_at(drive.actuated_command);
   const double time_step_s = drive.memory[0], amount_before_j = drive.memory[1];
+  if (time_step_s == kClosed) {
+    supply.gas.amount_j = supply.most_gas.amount_j = amount_before_j;
+    return supply;
+  }
   const bool limited = time_step_s > 0.0 && flow_m3_s_ > 0.0;
   const double reach_j =
       limited ? initial_pressure_pa_ * flow_m3_s_ * time_step_s : std::numeric_limits<double>::infinity();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation_parts.h"
+#include "soft_robot_lab/mechanics/solve_report.h"
 
 namespace soft_robot_lab {
 
@@ -18,7 +19,13 @@ class Ballooning {
   // pressure it was at rest; empty where none has.
   std::string found(const SimulationParts& parts) const;
 
+  // The same before anything falls: lets gas into the chamber that has grown most, of those whose pressure is to rise,
+  // a little at a time. Empty where it gets to its pressure, or comes to no rest. The state stays.
+  std::string under_more_gas(SimulationParts& parts, SolveReport& report) const;
+
  private:
+  int next_to_grow(const SimulationParts& parts) const;  // -1: none
+
   std::vector<ActuatorReading> at_rest_;
 };
 

@@ -74,6 +74,7 @@ class Walk {
   void note_snap_from(const SimulationState& stable, const Nudge& nudge, double share);
   bool fall_to(double share);
   bool lose_stability(double share);
+  bool balloons_before(double share);
   bool go_on_from(double share, RestFound found, double& stage);
   void advance_to(double share, Eigen::Matrix3Xd&& from_m);
 
@@ -85,9 +86,10 @@ class Walk {
   double longest_ = 1.0;                                 // stage
   double way_before_m_ = 0.0, way_before_that_m_ = 0.0;  // of the two stages before, as for all of the way
   double follows_ = kFollows, lever_before_ = 0.0;
-  int iterations_before_;      // the stage that goes on
-  int stages_ = 0;             // so far, with those that were begun anew
-  bool balloons_ = false;      // a chamber: there is no way on
+  int iterations_before_;  // the stage that goes on
+  int stages_ = 0;         // so far, with those that were begun anew
+  bool balloons_ = false;  // a chamber: there is no way on
+  bool looked_for_balloons_ = false;
   Eigen::Matrix3Xd before_m_;  // where the stage before began
   std::vector<Snap> snaps_;
 };
@@ -207,6 +209,18 @@ bool Walk::lose_stability(double share) {
   return true;
 }
 
+// Whether a chamber balloons on the way there; looked at once, where a stage first fails.
+bool Walk::balloons_before(double share) {
+  if (looked_for_balloons_) return balloons_;
+  looked_for_balloons_ = true;
+  const Ballooning ballooning(parts_);
+  path_.go_to(share);
+  const std::string text = ballooning.under_more_gas(parts_, report_);
+  balloons_ = !text.empty();
+  if (balloons_) report_.message = text;
+  return balloons_;
+}
+
 // After a stage that found no stable rest state; false where there is no way on.
 bool Walk::go_on_from(double share, RestFound found, double& stage) {
   // What comes at once leads to no stable shape: it is to come slowly, so that it chooses the side.
@@ -214,6 +228,7 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
     stage = 1.0;
     return true;
   }
+  if (balloons_before(share)) return false;
   if (cuttable(share) && snaps_.empty()) {
     stage = 0.5 * (share - done_);
     enter(SolveStage::halving, 1, report_.path);

@@ -86,6 +86,7 @@ class Chamber : public Actuator, private ChamberVolume::Supply {
  public:
   std::vector<const Constraint*> constraints() const override { return {volume_.get()}; }
   void begin_step(const StepStart& start, DriveState& drive) const override;
+  bool keep_supply(double share, const StepStart& now, DriveState& drive) const override;
   ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers,
                           const DriveState& drive) const override;
 
@@ -102,6 +103,7 @@ class Chamber : public Actuator, private ChamberVolume::Supply {
   IsothermalGas gas_at(double command) const;
   GasSupply supply(const DriveState& drive) const override;
   GasSupply regulated(const DriveState& drive) const;
+  double gas_j(const StepStart& at) const;
   std::optional<Eigen::Matrix3Xd> load_positions_m(const DriveState& drive) const override;
 
   Command kind_ = Command::beta;

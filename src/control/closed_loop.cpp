@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "pose_problem.h"
+#include "reduced_search.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -22,6 +23,35 @@ bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 
 }  // namespace
 
+class ClosedLoop::Reduced {
+ public:
+  // Throws ForwardModelError where it does not serve at the simulation's commands.
+  Reduced(const Simulation& simulation, const ReducedChoice& choice, const Pose& pose,
+          const std::vector<std::string>& actuators)
+      : choice_(choice), places_(*choice.model), model_(choice.model, markers_of(pose), actuators) {
+    model_.set_interrupt(simulation.interrupt());
+    const std::vector<double> commands = simulation.state().commands();
+    if (!model_.knows(commands)) throw ForwardModelError("the reduced model was not trained for these commands");
+    model_.start_at(commands);
+    double apart_m = 0.0;
+    for (int i = 0; i < static_cast<int>(simulation.markers().size()); ++i)
+      apart_m = std::max(apart_m, (markers_m().col(i) - simulation.marker_position(i)).norm());
+    if (apart_m > choice_.trusted_m()) throw ForwardModelError("the reduced model rests in another shape");
+  }
+
+  ReducedForwardModel& model() { return model_; }
+  Eigen::Matrix3Xd markers_m() { return places_.places_m(model_.state().at.q); }
+  SimulationState full(const SimulationState& base) const { return full_state(*choice_.model, model_.state(), base); }
+
+ private:
+  const ReducedChoice& choice_;
+  ReducedMarkers places_;  // of all markers
+  ReducedForwardModel model_;
+};
+
+ClosedLoop::~ClosedLoop() = default;
+ClosedLoop::ClosedLoop(ClosedLoop&&) noexcept = default;
+
 void ClosedLoopOptions::validate() const {
   require(gain > 0.0 && gain <= 1.0, "gain", gain, "(0, 1]");
   require(largest_change > 0.0 && largest_change <= 1.0, "largest_change", largest_change, "(0, 1]");
@@ -31,7 +61,8 @@ void ClosedLoopOptions::validate() const {
   require(max_corrections >= 1 && max_corrections <= 10000, "max_corrections", max_corrections, "[1, 10000]");
 }
 
-ClosedLoop::ClosedLoop(Simulation& model, PolicyTask task, const ClosedLoopOptions& options)
+ClosedLoop::ClosedLoop(Simulation& model, PolicyTask task, const ClosedLoopOptions& options,
+                       const ReducedChoice* reduced)
     : model_(model), task_(std::move(task)), options_(options) {
   options_.validate();
   require_task(model_, task_);
@@ -39,6 +70,11 @@ ClosedLoop::ClosedLoop(Simulation& model, PolicyTask task, const ClosedLoopOptio
   const ReachProblem problem = pose_problem(model_, task_, task_.poses.front());
   actuators_ = problem.names;
   commands_ = problem.start;
+  if (!reduced) return;
+  try {
+    reduced_ = std::make_unique<Reduced>(model_, *reduced, task_.poses.front(), actuators_);
+  } catch (const ForwardModelError&) {  // the full one predicts
+  }
 }
 
 LoopStep ClosedLoop::stop(LoopEnd end, const std::string& reason, std::optional<double> distance_m) const {
@@ -67,25 +103,53 @@ LoopStep ClosedLoop::correct(double time_s, const MeasuredMarkers& measured, con
     return stop(LoopEnd::correction_limit, "correction limit", distance_m);
 
   std::string why_not;
-  const std::optional<Eigen::VectorXd> next = [&] {
-    try {
-      update_offsets(measured);
-      return next_commands(why_not);
-    } catch (const ForwardModelError& error) {
-      why_not = error.what();
-      return std::optional<Eigen::VectorXd>();
-    }
-  }();
+  const std::optional<Eigen::VectorXd> next = answer(measured, why_not);
   if (!next) return stop(LoopEnd::no_equilibrium, "the model has no answer: " + why_not, distance_m);
   commands_ = *next;
   return {LoopEnd::none, "", commands_, distance_m};
 }
 
+std::optional<Eigen::VectorXd> ClosedLoop::answer(const MeasuredMarkers& measured, std::string& why_not) {
+  if (reduced_) {
+    if (std::optional<Eigen::VectorXd> next = answer_by_one(measured, why_not)) return next;
+    leave_reduced();
+  }
+  return answer_by_one(measured, why_not);
+}
+
+std::optional<Eigen::VectorXd> ClosedLoop::answer_by_one(const MeasuredMarkers& measured, std::string& why_not) {
+  try {
+    update_offsets(measured);
+    return next_commands(why_not);
+  } catch (const ForwardModelError& error) {
+    why_not = error.what();
+    return std::nullopt;
+  }
+}
+
+// The full model goes on where the reduced one is; what that had wrong is in its offsets.
+void ClosedLoop::leave_reduced() {
+  model_.set_state(reduced_->full(model_.state()));
+  reduced_.reset();
+  offsets_m_.clear();
+}
+
+Eigen::Matrix3Xd ClosedLoop::predicted_m() {
+  if (reduced_) {
+    reduced_->model().predict(commands_, false);
+    return reduced_->markers_m();
+  }
+  ForwardModel(model_, {}, actuators_).predict(commands_, false);
+  Eigen::Matrix3Xd markers_m(3, static_cast<Eigen::Index>(model_.markers().size()));
+  for (int i = 0; i < static_cast<int>(markers_m.cols()); ++i) markers_m.col(i) = model_.marker_position(i);
+  return markers_m;
+}
+
 // The model goes to the robot's commands, where what it expects is compared with what is seen.
 void ClosedLoop::update_offsets(const MeasuredMarkers& measured) {
-  ForwardModel(model_, {}, actuators_).predict(commands_, false);
+  const Eigen::Matrix3Xd expected_m = predicted_m();
   for (const auto& [name, position_m] : measured) {
-    const Eigen::Vector3d seen_m = position_m - model_.marker_position(model_.marker_index(name));
+    const Eigen::Vector3d seen_m = position_m - expected_m.col(model_.marker_index(name));
     const auto known = offsets_m_.find(name);
     if (known == offsets_m_.end()) {
       offsets_m_[name] = seen_m;
@@ -118,6 +182,9 @@ std::optional<double> ClosedLoop::measured_distance_m(const MeasuredMarkers& mea
 // Absent where the model has no equilibrium at its present commands.
 std::optional<Eigen::VectorXd> ClosedLoop::next_commands(std::string& why_not) {
   const Pose& pose = task_.poses.front();
+  if (reduced_)  // bounds of rates go by the present commands
+    for (Eigen::Index i = 0; i < commands_.size(); ++i)
+      model_.set_command(actuators_[static_cast<size_t>(i)], commands_[i]);
   ReachProblem problem = pose_problem(model_, task_, pose);
   for (size_t k = 0; k < problem.goals.size(); ++k) problem.goals[k].target_m -= offset_of(pose.goals[k].marker);
   for (Eigen::Index i = 0; i < commands_.size(); ++i) {
@@ -127,14 +194,20 @@ std::optional<Eigen::VectorXd> ClosedLoop::next_commands(std::string& why_not) {
     problem.min[i] = std::max(problem.min[i], commands_[i] - reach);
     problem.max[i] = std::min(problem.max[i], commands_[i] + reach);
   }
-  ForwardModel model(model_, markers_of(pose), actuators_);
-  model.answer_for(problem);
+  ForwardModel full(model_, markers_of(pose), actuators_);
+  const ReachProblem asked = problem;
+  reduced_ ? reduced_->model().answer_for(problem) : full.answer_for(problem);
   OptimiserOptions options;
   options.tolerance_m = 0.1 * options_.settled_m;
   const OptimisationSummary summary = optimise(problem, options);
-  if (summary.usable) return summary.commands;
   why_not = summary.stop_reason;
-  return std::nullopt;
+  if (!summary.usable) return std::nullopt;
+  if (reduced_) {
+    const Prediction found = reduced_->model().predict(summary.commands, false);
+    why_not = held_back(asked, problem, summary.commands, found.slack);
+    if (!why_not.empty()) return std::nullopt;
+  }
+  return summary.commands;
 }
 
 }  // namespace soft_robot_lab

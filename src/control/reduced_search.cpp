@@ -49,7 +49,15 @@ double distance_m(const ReachProblem& problem, const Eigen::Matrix3Xd& markers_m
   return std::sqrt(sum / weights);
 }
 
-// A command that the training holds back, where the task would let it go on.
+std::string too_far(double distance_m, double limit_m) {
+  std::ostringstream text;
+  text << "the full model rests " << 1e3 * distance_m << " mm from the search's end, more than the " << 1e3 * limit_m
+       << " mm that the reduced model is trusted with";
+  return text.str();
+}
+
+}  // namespace
+
 std::string held_back(const ReachProblem& asked, const ReachProblem& trained, const Eigen::VectorXd& commands,
                       const Eigen::VectorXd& slack) {
   for (Eigen::Index i = 0; i < commands.size(); ++i) {
@@ -62,15 +70,6 @@ std::string held_back(const ReachProblem& asked, const ReachProblem& trained, co
   }
   return "";
 }
-
-std::string too_far(double distance_m, double limit_m) {
-  std::ostringstream text;
-  text << "the full model rests " << 1e3 * distance_m << " mm from the search's end, more than the " << 1e3 * limit_m
-       << " mm that the reduced model is trusted with";
-  return text.str();
-}
-
-}  // namespace
 
 ReducedSearch::ReducedSearch(Simulation& simulation, const ReducedChoice& reduced)
     : simulation_(simulation), reduced_(reduced), limit_m_(reduced.trusted_m()) {}

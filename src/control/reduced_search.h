@@ -10,6 +10,11 @@
 
 namespace soft_robot_lab {
 
+// A command that the training holds back, where the task would let it go on: empty, or which. `trained` has the bounds
+// of `asked` cut to those trained; `slack` as Prediction has it.
+std::string held_back(const ReachProblem& asked, const ReachProblem& trained, const Eigen::VectorXd& commands,
+                      const Eigen::VectorXd& slack);
+
 // Searches on a reduced model that end on the full one: the simulation takes over the shape found and comes to rest,
 // the model is corrected by what its markers and derivatives are wrong by there, and the search goes on, until what is
 // left of the way is short.

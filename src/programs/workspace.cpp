@@ -75,6 +75,7 @@ void find_points(const Arguments& arguments, const WorkspacePlan& plan, const st
 int show_workspace(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
+  options.reduced = ReducedUse::by_newton;  // audits and derivatives of each point cost what a reduced model saves
   options.overrides = parameter_overrides(arguments.settings.robot, arguments.settings.set);
   const Scene scene = load_scene(arguments.settings.robot, options);
   print_warnings("workspace", scene);

@@ -16,26 +16,28 @@ PolicySearch::PolicySearch(ros::NodeHandle& node)
     : progress_publisher_(node.advertise<PolicyProgress>(topics::controller_progress, 100)),
       target_publisher_(node.advertise<Target>(topics::controller_target, 1, true)) {}
 
-PolicyAnswer PolicySearch::find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options) {
+PolicyAnswer PolicySearch::find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
+                                const ReducedChoice* reduced) {
   model.reset();
-  return go_on(model, task, options);
+  return go_on(model, task, options, {}, reduced);
 }
 
 PolicyAnswer PolicySearch::go_on(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
-                                 const ProgressCallback& after_each) {
+                                 const ProgressCallback& after_each, const ReducedChoice* reduced) {
   cancelled_ = false;
   std::optional<size_t> published;
   searching_ = true;
   const std::shared_ptr<void> no_longer(nullptr, [this](void*) { searching_ = false; });
   const Interruptible interruptible(
       model, [this, others = model.interrupt()] { return cancelled_ || !ros::ok() || (others && others()); });
-  return find_policy(model, task, options, [&](size_t pose, const auto& actuators, const auto& progress) {
+  const auto show = [&](size_t pose, const auto& actuators, const auto& progress) {
     const MarkerGoal& goal = task.poses[pose].goals.front();
     if (published != pose) publish_target(goal);
     published = pose;
     publish_progress(options.method, goal.marker, actuators, progress);
     return ros::ok() && !cancelled_ && (!after_each || after_each(progress));
-  });
+  };
+  return find_policy(model, task, options, show, reduced);
 }
 
 bool PolicySearch::cancel() {

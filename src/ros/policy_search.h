@@ -19,14 +19,15 @@ class PolicySearch {
   explicit PolicySearch(ros::NodeHandle& node);
 
   // From the model's rest state without commands, whatever it was asked before; one search at a time. Throws what
-  // find_policy throws.
-  PolicyAnswer find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options);
+  // find_policy throws. `reduced` as find_policy has it.
+  PolicyAnswer find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
+                    const ReducedChoice* reduced = nullptr);
 
   // From where the model is: quick where the task is near to the one before. What `after_each` iteration throws ends
   // the search at once, and the model stays where it then is. Where the model's own interrupt asks for an end the
   // search is cancelled.
   PolicyAnswer go_on(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
-                     const ProgressCallback& after_each = {});
+                     const ProgressCallback& after_each = {}, const ReducedChoice* reduced = nullptr);
 
   // Within a solve too. False where nothing is searched for; the answer then has the poses found so far.
   bool cancel();

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "cabled_bar.h"
+#include "mechanics/reduced/choose_modes.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -19,7 +20,8 @@ const Eigen::Vector3d kCameraOffset_m{0.001, -0.002, 0.001};
 // What the robot makes of commands.
 class Plant {
  public:
-  Plant() : simulation_(bar({}, kRealModulus_pa)) {}
+  explicit Plant(const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d::Zero())
+      : simulation_(bar({}, kRealModulus_pa, gravity_m_s2)) {}
 
   MeasuredMarkers markers_at(const Eigen::VectorXd& commands) {
     const Eigen::Vector2d slack(0.012, 0.008);
@@ -95,6 +97,44 @@ TEST(ClosedLoop, ComesAsNearAsPlantCanThoughItsModelIsWrong) {
   ASSERT_TRUE(end.distance_m.has_value());
   EXPECT_LT(*end.distance_m, nearest + 2.0e-4);
   EXPECT_GT((replayed_m - kTarget).norm(), nearest + 4.0e-4);  // so there was something to correct
+}
+
+// The offsets take up what the reduced model has wrong: 0.3 mm are allowed to it.
+TEST(ClosedLoop, ComesAsNearByAReducedModel) {
+  const Eigen::Vector3d gravity_m_s2(0, -9.81, 0);  // so that it does not buckle
+  ReducedRequest request;
+  request.box = {{0.9, 0.985}, {1.0, 1.0}};
+  request.tolerance_m = 3.0e-4;
+  const ReducedChoice reduced = choose_modes(bar({}, 264200.0, gravity_m_s2).model(), request, {});
+  Plant plant(gravity_m_s2);
+  const Eigen::Vector3d target_m = plant.markers_at(Eigen::Vector2d(0.94, 0.99)).at("tip");
+  std::vector<double> ends_m;
+  for (const ReducedChoice* predicts : {&reduced, static_cast<const ReducedChoice*>(nullptr)}) {
+    Simulation model = bar({}, 264200.0, gravity_m_s2);
+    model.solve_equilibrium();
+    ClosedLoop loop(model, reach(target_m), {}, predicts);
+    const LoopStep end = run(loop, plant);
+    EXPECT_EQ(loop.on_reduced(), predicts != nullptr);
+    EXPECT_EQ(end.end, LoopEnd::settled) << end.reason;
+    ends_m.push_back(end.distance_m.value_or(1.0));
+  }
+  EXPECT_LT(ends_m[1], 4.0e-4);
+  EXPECT_NEAR(ends_m[0], ends_m[1], 2.0e-5);
+}
+
+TEST(ClosedLoop, LeavesAReducedModelThatHoldsItBack) {
+  ReducedRequest request;
+  request.box = {{0.97, 0.97}, {1.0, 1.0}};
+  request.tolerance_m = 3.0e-4;
+  const ReducedChoice reduced = choose_modes(bar().model(), request, {});
+  Simulation model = bar();
+  Plant plant;
+  ClosedLoop loop(model, reach(kTarget), {}, &reduced);
+  EXPECT_TRUE(loop.on_reduced());
+  const LoopStep end = run(loop, plant);
+  EXPECT_FALSE(loop.on_reduced());
+  EXPECT_EQ(end.end, LoopEnd::settled) << end.reason;
+  EXPECT_LT(end.distance_m.value_or(1.0), nearest_m() + 2.0e-4);
 }
 
 TEST(ClosedLoop, WorksWhileAMarkerIsMissing) {

@@ -92,8 +92,18 @@ TEST(Lamps, ShowHowARobotIsReduced) {
     return lamps.lamps(0.5);
   };
   EXPECT_EQ(shown({{"solver", "newton"}}).size(), 2u);
-  EXPECT_EQ(shown({{"reduced model", "training: 40 %, snapshots"}})[2].value, "40 %");
+  EXPECT_FALSE(lamps.training(0.5));
+  EXPECT_EQ(shown({{"reduced model", "training: 40 %, snapshots"}})[2].value, "newton");
+  EXPECT_EQ(lamps.lamps(0.5)[2].level, Level::ok);
+  ASSERT_TRUE(lamps.training(0.5));
+  EXPECT_DOUBLE_EQ(lamps.training(0.5)->share, 0.4);
+  EXPECT_EQ(lamps.training(0.5)->text, "training: 40 %, snapshots");
+  EXPECT_FALSE(lamps.training(Lamps::silence_s + 1.0));  // nothing is heard of it any more
   EXPECT_EQ(shown({{"reduced model", "not trained: friction"}})[2].level, Level::warn);
+  for (const char* other : {"not trained: friction at 40 %", "training: nan %, x", "training: 400 %, x", "training"}) {
+    shown({{"reduced model", other}});
+    EXPECT_FALSE(lamps.training(0.5)) << other;
+  }
   const auto moved_by = [&](const std::string& solver) {
     return shown({{"solver", solver}, {"audited error [m]", "0.00012"}, {"trusted error [m]", "0.0004"}})[2];
   };

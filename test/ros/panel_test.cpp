@@ -20,6 +20,7 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 #include <soft_robot_lab/OptimisePolicyResult.h>
+#include <soft_robot_lab/UseSolver.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
@@ -326,6 +327,28 @@ TEST_F(Elsewhere, SaysWhyNothingCanBeSearchedFor) {
       topics::optimise_policy, [&](auto&, auto&) { return asked = true; });
   EXPECT_TRUE(hears([&] { return link_.why_not(topics::optimise_policy).empty(); }));
   EXPECT_FALSE(asked);
+}
+
+TEST_F(Elsewhere, FollowsAndChangesTheSolver) {
+  EXPECT_EQ(link_.solver(), "");
+  ros::Publisher solver = elsewhere_.advertise<std_msgs::String>(topics::simulator_solver, 1, true);
+  std_msgs::String name;
+  name.data = "newton";
+  solver.publish(name);
+  ASSERT_TRUE(hears([&] { return link_.solver() == "newton"; }));
+  std::string asked;
+  const ros::ServiceServer use = elsewhere_.advertiseService<UseSolver::Request, UseSolver::Response>(
+      topics::simulator_use_solver, [&](auto& request, auto& response) {
+        asked = request.solver;
+        response.message = "no such model";
+        return true;
+      });
+  link_.use_solver("reduced");
+  ASSERT_TRUE(hears([&] { return last("Solver") != nullptr; }));
+  EXPECT_EQ(asked, "reduced");
+  EXPECT_FALSE(last("Solver")->success);
+  EXPECT_EQ(last("Solver")->message, "no such model");
+  EXPECT_EQ(link_.solver(), "newton");
 }
 
 // What a user stops has not failed, and drives that are to hold are none that move alone.

@@ -3,6 +3,10 @@
 // the robot rests, the offset between measured and predicted markers is taken up, and the model is asked for commands
 // that bring the predicted markers to the targets less the offsets. Where the offsets have settled, the measured
 // markers are as near to their targets as the model's Jacobian can show.
+//
+// A reduced model may predict in the full one's place. Its error is part of the offsets, so nothing is checked by the
+// full model but its start. The full one goes on, with new offsets, where the reduced one has no answer, or is held
+// back by the commands that it was trained for.
 #pragma once
 
 #include <map>
@@ -50,8 +54,14 @@ struct LoopStep {
 class ClosedLoop {
  public:
   // Starts from the model's present commands, which the robot has too. Throws std::invalid_argument as find_policy
-  // does.
-  ClosedLoop(Simulation& model, PolicyTask task, const ClosedLoopOptions& options);
+  // does. `reduced`, of that model, serves where it rests in the same shape at those commands; null: none. It must
+  // outlive the loop.
+  ClosedLoop(Simulation& model, PolicyTask task, const ClosedLoopOptions& options,
+             const ReducedChoice* reduced = nullptr);
+  ~ClosedLoop();
+  ClosedLoop(ClosedLoop&&) noexcept;
+
+  bool on_reduced() const { return reduced_ != nullptr; }  // which predicts
 
   const std::vector<std::string>& actuators() const { return actuators_; }
 
@@ -60,11 +70,17 @@ class ClosedLoop {
   LoopStep correct(double time_s, const MeasuredMarkers& measured, const std::string& fault);
 
  private:
+  class Reduced;
   LoopStep stop(LoopEnd end, const std::string& reason, std::optional<double> distance_m) const;
   void update_offsets(const MeasuredMarkers& measured);
   Eigen::Vector3d offset_of(const std::string& marker) const;
   std::optional<double> measured_distance_m(const MeasuredMarkers& measured) const;
+  Eigen::Matrix3Xd predicted_m();  // all markers, 3 x markers, at the present commands
+  // By the reduced model, then by the full one where that has none. Absent where there is none.
+  std::optional<Eigen::VectorXd> answer(const MeasuredMarkers& measured, std::string& why_not);
+  std::optional<Eigen::VectorXd> answer_by_one(const MeasuredMarkers& measured, std::string& why_not);
   std::optional<Eigen::VectorXd> next_commands(std::string& why_not);
+  void leave_reduced();
 
   Simulation& model_;
   PolicyTask task_;  // of one pose
@@ -76,6 +92,7 @@ class ClosedLoop {
   std::optional<double> nearest_m_;
   int idle_corrections_ = 0;  // in a row that came no nearer
   int corrections_ = 0;
+  std::unique_ptr<Reduced> reduced_;  // null: the full model predicts
 };
 
 }  // namespace soft_robot_lab

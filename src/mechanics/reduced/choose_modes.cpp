@@ -82,14 +82,17 @@ ReducedChoice choose_in_box(const std::shared_ptr<const Model>& model, const Red
 ReducedChoice choose_modes(const std::shared_ptr<const Model>& model, const ReducedRequest& request,
                            const TrainingProgress& progress) {
   ReducedRequest asked = request;
+  double done = 0.0;  // of it all; half of what is left where it may have to begin anew
   for (int left = request.may_narrow ? kNarrowings : 0; left > 0; --left) {
     try {
-      return choose_in_box(model, asked, progress);
+      const double from = done;
+      done += 0.5 * (1.0 - done);
+      return choose_in_box(model, asked, part(progress, from, done));
     } catch (const ToleranceNotMet&) {
       asked.box = narrower(*model, asked.box);
     }
   }
-  return choose_in_box(model, asked, progress);
+  return choose_in_box(model, asked, part(progress, done, 1.0));
 }
 
 }  // namespace soft_robot_lab

@@ -14,7 +14,7 @@ from geometry_msgs.msg import Point
 from std_srvs.srv import Trigger
 
 from soft_robot_lab.msg import ActuatorCommand, ActuatorRanges, ActuatorState, MarkerObservations, Policy, PolicyStep
-from soft_robot_lab.srv import ExecutePolicy, ExecutePolicyRequest, LoadScene, OptimisePolicy, OptimisePolicyRequest
+from soft_robot_lab.srv import ExecutePolicy, ExecutePolicyRequest, LoadScene, OptimisePolicy, OptimisePolicyRequest, UseSolver
 
 
 class SessionError(RuntimeError):
@@ -163,6 +163,10 @@ class Session:
     def load(self, scene):
         """Another robot or scene, by its absolute path."""
         return self._ask('simulator/load', LoadScene, scene)
+
+    def use_solver(self, solver):
+        """'newton', 'xpbd' or 'reduced' moves the simulation from where it is; '': the scene's own."""
+        return self._ask('simulator/use_solver', UseSolver, solver)
 
     def stop(self):
         """Ends what is optimised or played, if anything is."""

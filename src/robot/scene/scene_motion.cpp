@@ -65,6 +65,23 @@ void SceneMotion::go_to(const Place& place) {
     fast_.reset();
 }
 
+void SceneMotion::go_on_from(const SimulationState& state) {
+  reset();
+  SimulationState to = simulation_.state();
+  to.time_s = state.time_s;
+  to.positions_m = state.positions_m;
+  to.velocities_m_s = state.velocities_m_s;
+  to.element_multipliers_pa = state.element_multipliers_pa;
+  to.constraint_multipliers = state.constraint_multipliers;
+  to.contact = state.contact;
+  to.free_velocities = state.free_velocities;
+  to.element_forces_n.resize(0);  // those of the shape
+  to.branch_stress_pa = state.branch_stress_pa;
+  to.drives = state.drives;
+  go_to({std::move(to), std::nullopt});
+  to_reduced();
+}
+
 void SceneMotion::to_newton(const std::string& why) {
   if (fast_) leave(why);
 }
@@ -76,12 +93,19 @@ bool SceneMotion::to_reduced(std::shared_ptr<const SceneReduction> trained) {
   return to_reduced();
 }
 
-// What an audit has refused is asked again only where the robot rests.
-bool SceneMotion::trusted_at_rest(const ReducedState& state) {
+// Where the robot rests an audit says how far away the reduced model will: of its own rest state, as a state of the
+// full model that is projected would pass. What an audit has refused is taken only where this one passes.
+bool SceneMotion::trusted_to_begin(const ReducedState& state) {
   constexpr double still_m_s = 1e-3;
-  if (simulation_.state().velocities_m_s.colwise().norm().maxCoeff() > still_m_s) return false;
-  const AuditResult found = audit_->at_rest(state);
-  return found.found && found.estimate_m <= audits_.limit_m;
+  if (simulation_.state().velocities_m_s.colwise().norm().maxCoeff() > still_m_s) return !audits_.failed;
+  ReducedSimulation there(reduction_->choice.model);
+  there.set_state(state);
+  if (!there.solve_nearby().converged) return !audits_.failed;
+  const AuditResult found = audit_->at_rest(there.state());
+  if (!found.found || found.estimate_m > audits_.limit_m) return !audits_.failed;
+  ++audits_.states;
+  audits_.largest_estimate_m = std::max(audits_.largest_estimate_m, found.estimate_m);
+  return true;
 }
 
 bool SceneMotion::to_reduced() {
@@ -94,7 +118,7 @@ bool SceneMotion::to_reduced() {
   const ReducedState nearest = nearest_state(model, from);
   const Eigen::Matrix3Xd jump_m = fast_markers_->places_m(nearest.at.q) - markers_m();
   if (jump_m.cols() > 0 && jump_m.colwise().norm().maxCoeff() > audits_.limit_m) return false;
-  if (audits_.failed && !trusted_at_rest(nearest)) return false;
+  if (!trusted_to_begin(nearest)) return false;
   fast_.emplace(reduction_->choice.model);
   fast_->set_state(nearest);
   audited_s_ = nearest.time_s;

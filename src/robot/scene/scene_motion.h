@@ -36,10 +36,14 @@ class SceneMotion {
   Place place();
   void go_to(const Place& place);
 
+  // Goes on where a state of the same scene is that another solver came to, at its velocities. What solvers remember of
+  // steps before is left out. Throws as Simulation::set_state; the state is then the rest shape.
+  void go_on_from(const SimulationState& state);
+
   // For what the reduced model does not know; a warning says why. Nothing where newton moves the robot already.
   void to_newton(const std::string& why);
-  // To the reduced model, or to this one, from a state that it can take: within its commands, and with no marker
-  // farther off than it is trusted to. False where it cannot yet.
+  // To the reduced model, or to this one, from a state that it can take: within its commands, with no marker farther
+  // off than it is trusted to, and, once an audit failed, by one that passes at rest. False where it cannot yet.
   bool to_reduced();
   bool to_reduced(std::shared_ptr<const SceneReduction> trained);
 
@@ -66,7 +70,7 @@ class SceneMotion {
   std::optional<SolveReport> by_reduced(ReducedReport (ReducedSimulation::*move)(), const std::string& failure);
   void judge_by_reduction();        // its markers and audits
   std::string audit(bool at_rest);  // empty, or why it failed
-  bool trusted_at_rest(const ReducedState& state);
+  bool trusted_to_begin(const ReducedState& state);
   void leave(const std::string& why);
   void warn(const std::string& text);
   SolveReport finish(SolveReport report);  // with the warnings

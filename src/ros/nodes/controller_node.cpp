@@ -33,6 +33,8 @@
 #include "ros/surface_marker.h"
 #include "ros/target_marker.h"
 #include "ros/topics.h"
+#include "robot/scene/reduction.h"
+#include "robot/scene/scene_motion.h"
 #include "session/live_answers.h"
 #include "session/preview.h"
 #include "settings/require_in_range.h"
@@ -45,7 +47,9 @@ namespace {
 
 constexpr const char* kControllerAbout =
     R"(Finds policies on a model of its own, and plays and corrects them on whatever
-listens to the actuator commands.
+listens to the actuator commands. Where the session's solver is reduced, the reduced
+model searches, shows where commands lead and predicts in closed loops; policies end on
+newton's rest state. With xpbd newton does all that: their rest states are the same.
 
 Parameters: ~scene (path; absent where the simulator names which scene runs), ~ramp_s (how long an optimised policy
 takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
@@ -77,9 +81,13 @@ class ControllerNode {
 
  private:
   void load(const std::string& path);
+  Scene load_model(const std::string& path);
+  void take_model(Scene scene);  // with the model's mutex held
+  const ReducedChoice* reduced() const { return motion_->reduction() ? &motion_->reduction()->choice : nullptr; }
   std::string robot() const;
   void offer_services();  // once there is a model to answer with
   void on_scene(const std_msgs::String& path);
+  void on_solver(const std_msgs::String& solver);
   void on_actuators(const ActuatorState& actuators);
   void send(const std::vector<std::string>& names, const std::vector<double>& values) const;
   void on_markers(const MarkerObservations& markers);
@@ -108,8 +116,12 @@ class ControllerNode {
   SceneOptions scene_options_;
   double ramp_s_ = 2.0;
 
+  std::mutex load_mutex_;      // held while a model is loaded; before the others
+  std::string path_, solver_;  // of the session, empty: not known; guarded by it
+
   std::mutex model_mutex_;  // held while the model computes
   std::unique_ptr<Simulation> model_;
+  std::optional<SceneMotion> motion_;             // of the model, for rest states that the robot is followed to
   std::unique_ptr<SurfaceMarker> ghost_surface_;  // of the model
   bool model_searched_ = false;                   // it was elsewhere than the robot since it last followed it
 
@@ -144,7 +156,7 @@ class ControllerNode {
 
 ControllerNode::ControllerNode() {
   scene_options_.actuator_factory = actuators_from_plugins();
-  scene_options_.reduced = ReducedUse::by_newton;
+  scene_options_.reduced = ReducedUse::if_kept;
   scene_options_.interrupt = [] { return !ros::ok(); };
   const ros::NodeHandle parameters("~");
   read_parameter(parameters, "ramp_s", ramp_s_);
@@ -156,6 +168,7 @@ ControllerNode::ControllerNode() {
   command_publisher_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 100);
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
+      node_.subscribe(topics::simulator_solver, 1, &ControllerNode::on_solver, this),
       node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
       node_.subscribe(topics::simulator_markers, 100, &ControllerNode::on_markers, this),
       node_.subscribe(text_parameter(parameters, "markers_topic", topics::tracker_markers), 100,
@@ -193,12 +206,13 @@ ControllerHandlers ControllerNode::handlers() {
 
 // Throws what load_scene throws; the old model then stays.
 void ControllerNode::load(const std::string& path) {
-  Scene scene = load_scene(path, scene_options_);
+  const std::lock_guard one_at_a_time(load_mutex_);
+  Scene scene = load_model(path);
+  path_ = path;
   CommandLimitsByName limits = limits_of(*scene.simulation);
   const auto no_answers = live_.pause();
   const std::lock_guard model_lock(model_mutex_);
-  model_ = std::move(scene.simulation);
-  ghost_surface_ = std::make_unique<SurfaceMarker>(model_->body().mesh());
+  take_model(std::move(scene));
   {
     const std::lock_guard lock(mutex_);
     limits_ = std::move(limits);
@@ -220,6 +234,23 @@ void ControllerNode::load(const std::string& path) {
   const auto shown =
       static_cast<int>(tip != markers.end() ? tip - markers.begin() : markers.end() - markers.begin() - 1);
   show_target(markers[static_cast<size_t>(shown)].name(), model_->marker_position(shown));
+}
+
+// With its reduced model where one is kept, unless the session chose another solver.
+Scene ControllerNode::load_model(const std::string& path) {
+  SceneOptions options = scene_options_;
+  if (solver_ == "reduced") options.method = solver_;
+  Scene scene = load_scene(path, options);
+  if (!solver_.empty() && solver_ != "reduced") scene.reduction.reset();
+  return scene;
+}
+
+void ControllerNode::take_model(Scene scene) {
+  motion_.reset();
+  model_ = std::move(scene.simulation);
+  motion_.emplace(*model_, std::move(scene.reduction));
+  ghost_surface_ = std::make_unique<SurfaceMarker>(model_->body().mesh());
+  model_searched_ = true;
 }
 
 std::string ControllerNode::robot() const {
@@ -328,7 +359,7 @@ void ControllerNode::answer_target(const MarkerGoal& goal, bool released, const 
     if ((shown || released) && interrupted()) throw std::runtime_error("a newer target counts");
     return true;
   };
-  PolicyAnswer answer = search_.go_on(*model_, task, options, show);
+  PolicyAnswer answer = search_.go_on(*model_, task, options, show, released ? reduced() : nullptr);
   answer.policy.robot = robot();
   if (live_.must_end()) return;
   if (answer.success) remember(task, answer);
@@ -354,10 +385,13 @@ void ControllerNode::answer_commands() {
 
 // After a search by way of the rest shape, else from where it followed the robot before.
 bool ControllerNode::model_follows(const std::map<std::string, double>& commands) {
-  if (model_searched_) model_->reset();
+  if (model_searched_) motion_->reset();
   model_searched_ = false;
-  for (const auto& [name, value] : commands) model_->set_command(name, value);
-  return model_->solve_equilibrium().converged;
+  motion_->to_reduced();
+  for (const auto& [name, value] : commands) motion_->set_command(name, value);
+  const bool found = motion_->solve_equilibrium().converged;
+  motion_->show();
+  return found;
 }
 
 void ControllerNode::hide_preview() {
@@ -371,6 +405,31 @@ void ControllerNode::on_scene(const std_msgs::String& path) {
     load(path.data);
     ROS_INFO("models %s", path.data.c_str());
     if (services_.empty()) offer_services();
+  } catch (const std::exception& error) {
+    ROS_ERROR("keeps its old model: %s", log_text(error.what()).c_str());
+  }
+}
+
+// Of the same scene: what was found holds on. Said again, once a reduced model is trained.
+void ControllerNode::on_solver(const std_msgs::String& solver) {
+  const std::lock_guard one_at_a_time(load_mutex_);
+  solver_ = solver.data;
+  if (path_.empty()) return;
+  const bool wanted = solver_ == "reduced";
+  const auto no_answers = live_.pause();
+  std::unique_lock model_lock(model_mutex_);
+  if (wanted == (reduced() != nullptr)) return;
+  if (!wanted) {
+    motion_.emplace(*model_, nullptr);
+    model_searched_ = true;
+    return;
+  }
+  model_lock.unlock();
+  try {
+    Scene scene = load_model(path_);
+    if (!scene.reduction) return;  // newton until it is trained
+    model_lock.lock();
+    take_model(std::move(scene));
   } catch (const std::exception& error) {
     ROS_ERROR("keeps its old model: %s", log_text(error.what()).c_str());
   }
@@ -412,10 +471,13 @@ void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, Opt
     if (!lock) throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
     model_searched_ = true;
     const PolicyTask task = policy_task(request, ramp_s_);
-    PolicyAnswer answer = behind_others([&] { return search_.find(*model_, task, optimiser_options(request)); });
+    PolicyAnswer answer =
+        behind_others([&] { return search_.find(*model_, task, optimiser_options(request), reduced()); });
     answer.policy.robot = robot();
     count_as_reached(request, answer);
     fill_response(answer, task, response);
+    for (const std::string& why : answer.full_because)
+      if (!why.empty()) response.message += "; newton searched, as " + why;
     for (const std::string& warning : far_targets(*model_, task))
       response.message += "; " + warning + ": a request's numbers are metres";
     if (answer.success) remember(task, answer);
@@ -505,7 +567,7 @@ ClosedLoop ControllerNode::loop_of(const ExecutePolicy::Request& request, const 
   model_follows(commands);
   model_searched_ = true;
   replay(*model_, policy, {});
-  return ClosedLoop(*model_, task, loop_options_);
+  return ClosedLoop(*model_, task, loop_options_, reduced());
 }
 
 void ControllerNode::send(const std::vector<std::string>& names, const std::vector<double>& values) const {

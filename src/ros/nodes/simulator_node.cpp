@@ -15,6 +15,7 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/LoadScene.h>
+#include <soft_robot_lab/UseSolver.h>
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/static_transform_broadcaster.h>
@@ -47,7 +48,7 @@ constexpr const char* kSimulatorAbout =
 has too.
 
 Parameters: ~scene (path), ~solver (newton, xpbd or reduced; empty: the scene's own; a reduced model that is not kept
-is trained while newton moves the robot, and then takes over), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
+is trained while newton moves the robot, and then takes over; simulator/use_solver changes it), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
 often as they film), ~skin_opacity (1: opaque; 0: opaque where that hides no chamber or cable), ~publish_clock (false
 beside a rig: time is then the wall's), ~rig (path: the rig that takes the same commands, which a scene has to suit),
@@ -78,6 +79,12 @@ struct RunningScene {
   SceneMotion motion;  // of the simulation, by a reduced model where there is one
   SurfaceMarker surface;
   SceneMotion::Place start;
+
+  // What was asked for: a reduced model that is not trained yet, or was left, counts.
+  std::string solver() const {
+    if (untrained || motion.reduction()) return "reduced";
+    return simulation->options().method == SolverOptions::Method::xpbd ? "xpbd" : "newton";
+  }
 };
 
 // Asks for the end of what is solved, as long as it lives.
@@ -121,9 +128,11 @@ class SimulatorNode {
 
  private:
   void serve();
-  std::unique_ptr<RunningScene> prepare(const std::string& path) const;
+  std::unique_ptr<RunningScene> prepare(const std::string& path, const std::string& solver) const;
   std::string settle(RunningScene& scene) const;  // returns why it is not at rest, where it should be
   void start(std::unique_ptr<RunningScene> scene);
+  void run_from_now(std::unique_ptr<RunningScene> scene);  // with the mutex held
+  void publish_solver(const std::string& solver);
   double step();  // returns the scene's time step [s]
   void serve_until(SteadyClock::time_point deadline);
   void on_command(const ActuatorCommand& command);
@@ -132,6 +141,8 @@ class SimulatorNode {
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool stop(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool load(LoadScene::Request& request, LoadScene::Response& response);
+  bool use_solver(UseSolver::Request& request, UseSolver::Response& response);
+  std::string change_solver(const std::string& solver);
   void use_reduced();
   void diagnose_solver(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -162,13 +173,14 @@ class SimulatorNode {
   SimulationPublisher publisher_{options_.surface_rate_hz, options_.publish_clock};
   LatchedPublisher<std_msgs::String> scene_path_{topics::simulator_scene};
   LatchedPublisher<ActuatorRanges> ranges_{topics::simulator_ranges};
+  PresentPublisher<std_msgs::String> solver_{topics::simulator_solver};
   ros::Subscriber commands_, pulls_;
   PullingHand hand_{options_.max_pull_n};
   tf2_ros::StaticTransformBroadcaster frames_;
   ros::CallbackQueue control_queue_;  // what has to be answered while a step is solved, which may last
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;
-  ros::ServiceServer reset_, stop_, load_;
+  ros::ServiceServer reset_, stop_, load_, use_solver_;
   // Loading takes seconds; meanwhile the old scene goes on.
   ros::CallbackQueue loading_queue_;
   ros::AsyncSpinner loading_{1, &loading_queue_}, control_{1, &control_queue_};
@@ -177,11 +189,10 @@ class SimulatorNode {
 SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {
   scene_options_.actuator_factory = actuators_from_plugins();
   scene_options_.interrupt = [] { return !ros::ok(); };
-  scene_options_.method = options_.solver;
   scene_options_.reduced = ReducedUse::if_kept;
   publish_frames();
   serve();
-  auto first = prepare(options_.scene);
+  auto first = prepare(options_.scene, options_.solver);
   if (const std::string failure = settle(*first); !failure.empty()) ROS_WARN("%s", log_text(failure).c_str());
   start(std::move(first));
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
@@ -190,6 +201,10 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
       topics::simulator_load, [this](auto& request, auto& response) { return load(request, response); },
       ros::VoidConstPtr(), &loading_queue_);
   load_ = node_.advertiseService(load_options);
+  auto solver_options = ros::AdvertiseServiceOptions::create<UseSolver>(
+      topics::simulator_use_solver, [this](auto& request, auto& response) { return use_solver(request, response); },
+      ros::VoidConstPtr(), &loading_queue_);
+  use_solver_ = node_.advertiseService(solver_options);
   loading_.start();
 }
 
@@ -222,9 +237,10 @@ void SimulatorNode::publish_frames() {
   frames_.sendTransform(frames);
 }
 
-std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) const {
+std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path, const std::string& solver) const {
   std::set<std::string> said;
   SceneOptions scene_options = scene_options_;
+  scene_options.method = solver;
   scene_options.on_warnings = [&](const std::vector<SolveWarning>& warnings) {
     for (const SolveWarning& warning : warnings)
       if (said.insert(warning.text).second) ROS_WARN("%s: %s", path.c_str(), log_text(warning.text).c_str());
@@ -257,18 +273,34 @@ std::string SimulatorNode::settle(RunningScene& scene) const {
 void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
   std_msgs::String path;
   path.data = scene->path;
+  const std::string solver = scene->solver();
   ActuatorRanges ranges;
   {
     const std::lock_guard lock(mutex_);
     ranges = actuator_ranges(*scene->simulation, session_time());
-    training_.stop();
-    scene_ = std::move(scene);
-    if (scene_->untrained) training_.start(scene_->path, scene_options_);
-    hand_.forget();
+    run_from_now(std::move(scene));
     publisher_.show(*scene_->simulation, session_time());
   }
   scene_path_.publish(path);
   ranges_.publish(ranges);
+  publish_solver(solver);
+}
+
+void SimulatorNode::run_from_now(std::unique_ptr<RunningScene> scene) {
+  training_.stop();
+  scene_ = std::move(scene);
+  if (scene_->untrained) {
+    SceneOptions trained = scene_options_;
+    trained.method = "reduced";
+    training_.start(scene_->path, trained);
+  }
+  hand_.forget();
+}
+
+void SimulatorNode::publish_solver(const std::string& solver) {
+  std_msgs::String message;
+  message.data = solver;
+  solver_.publish(message);
 }
 
 void SimulatorNode::run() {
@@ -318,10 +350,13 @@ void SimulatorNode::use_reduced() {
   constexpr double every_s = 0.5;
   if (hand_.holds() || scene_->motion.reduced() || machine_time_s() < reduced_asked_s_ + every_s) return;
   reduced_asked_s_ = machine_time_s();
-  if (std::shared_ptr<const SceneReduction> trained = training_.take())
-    scene_->motion.to_reduced(std::move(trained));
-  else
+  std::shared_ptr<const SceneReduction> trained = training_.take();
+  if (!trained) {
     scene_->motion.to_reduced();
+    return;
+  }
+  scene_->motion.to_reduced(std::move(trained));
+  publish_solver("reduced");  // who waits for it finds it among the kept ones now
 }
 
 void SimulatorNode::on_command(const ActuatorCommand& command) {
@@ -391,7 +426,7 @@ bool SimulatorNode::stop(std_srvs::Trigger::Request& /*request*/, std_srvs::Trig
 
 bool SimulatorNode::load(LoadScene::Request& request, LoadScene::Response& response) {
   try {
-    auto next = prepare(request.path);
+    auto next = prepare(request.path, options_.solver);
     if (const std::string failure = settle(*next); !failure.empty()) throw std::runtime_error(failure);
     start(std::move(next));
     response.success = true;
@@ -400,6 +435,47 @@ bool SimulatorNode::load(LoadScene::Request& request, LoadScene::Response& respo
     response.success = false;
     response.message = error.what();
     ROS_WARN("%s refused: %s", topics::simulator_load, log_text(error.what()).c_str());
+  }
+  return true;
+}
+
+// Of the same scene; where it was at the start holds on. The old one moves until the new one is loaded.
+std::string SimulatorNode::change_solver(const std::string& solver) {
+  std::string path, before;
+  SimulationState start;
+  {
+    const std::lock_guard lock(mutex_);
+    path = scene_->path;
+    before = training_.failed() ? "" : scene_->solver();
+    start = scene_->start.full;
+  }
+  auto next = prepare(path, solver);
+  next->simulation->set_interrupt([this] { return ends_ || !ros::ok(); });
+  next->motion.go_on_from(start);
+  next->start = next->motion.place();
+  const std::string name = next->solver();
+  if (name == before) return name + " moves the robot already";
+  training_.stop();
+  const Ending ending(ends_);
+  const std::lock_guard lock(mutex_);
+  if (hand_.holds()) hand_.let_go(*scene_->simulation);
+  next->motion.go_on_from(scene_->motion.place().full);
+  const bool waits = name == "reduced" && !next->motion.reduced();
+  run_from_now(std::move(next));
+  options_.solver = solver;
+  publish_solver(name);
+  return name + (waits ? " is asked for; newton moves the robot until it can take over" : " moves the robot");
+}
+
+bool SimulatorNode::use_solver(UseSolver::Request& request, UseSolver::Response& response) {
+  try {
+    require_solver(request.solver);
+    response.message = change_solver(request.solver);
+    response.success = true;
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+    ROS_WARN("%s refused: %s", topics::simulator_use_solver, log_text(error.what()).c_str());
   }
   return true;
 }

@@ -15,6 +15,11 @@
 
 namespace soft_robot_lab {
 
+inline void require_solver(const std::string& solver) {
+  if (!solver.empty() && solver != "newton" && solver != "xpbd" && solver != "reduced")
+    throw std::invalid_argument("solver: '" + solver + "' is none of newton, xpbd, reduced; empty: the scene's own");
+}
+
 struct SimulatorOptions {
   std::string scene;
   std::string solver;             // newton, xpbd or reduced; empty: the scene's own
@@ -34,8 +39,7 @@ struct SimulatorOptions {
     require_in_range("skin_opacity", skin_opacity, {0.0, 1.0});
     require_in_range("max_publish_rate_hz", max_publish_rate_hz, {1.0, 1.0e5});
     require_in_range("max_pull_n", max_pull_n, {0.0, 1000.0});
-    if (!solver.empty() && solver != "newton" && solver != "xpbd" && solver != "reduced")
-      throw std::invalid_argument("solver: '" + solver + "' is none of newton, xpbd, reduced; empty: the scene's own");
+    require_solver(solver);
     if (position_m.size() != 3 ||
         !std::all_of(position_m.begin(), position_m.end(), [](double x) { return std::abs(x) <= 1e3; }))
       throw std::invalid_argument("position_m: must be three numbers [m] in [-1000, 1000]");

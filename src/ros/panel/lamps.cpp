@@ -33,6 +33,16 @@ std::string without_session(const std::string& name, const std::string& session)
   return bare.rfind(session + "/", 0) == 0 ? bare.substr(session.size() + 1) : "";
 }
 
+// Of "training: 40 %, ..."; nothing of another text.
+std::optional<double> trained_share(const std::string& status) {
+  constexpr char begins[] = "training: ";
+  const std::size_t end = status.find(" %");
+  if (status.rfind(begins, 0) != 0 || end == std::string::npos) return std::nullopt;
+  const auto percent = parse_number<double>(status.substr(sizeof begins - 1, end - (sizeof begins - 1)));
+  if (!percent || !(*percent >= 0.0 && *percent <= 100.0)) return std::nullopt;
+  return 0.01 * *percent;
+}
+
 // Whoever sees no colours reads it.
 std::string word_of(Lamp::Level level) {
   switch (level) {
@@ -106,12 +116,14 @@ Lamp Lamps::audited(double error_m, double now_s) const {
               text_of(1e3 * trusted_m, "%.2f mm")};
 }
 
-// "training: 40 %, ..." or "not trained: ...".
 Lamp Lamps::training(const std::string& status) {
-  const std::size_t begin = status.find(": "), end = status.find(" %");
-  const bool fails = status.rfind("not trained", 0) == 0 || begin == std::string::npos || end == std::string::npos;
-  return {"Reduced", fails ? Lamp::Level::warn : Lamp::Level::ok,
-          fails ? "newton" : status.substr(begin + 2, end - begin), status};
+  return {"Reduced", trained_share(status) ? Lamp::Level::ok : Lamp::Level::warn, "newton", status};
+}
+
+std::optional<Lamps::Training> Lamps::training(double now_s) const {
+  const std::optional<std::string> status = text_of_key("reduced model", now_s);
+  const std::optional<double> share = status ? trained_share(*status) : std::nullopt;
+  return share ? std::optional(Training{*share, *status}) : std::nullopt;
 }
 
 Lamp Lamps::contact(double force_n) {

@@ -34,6 +34,13 @@ class Lamps {
   // Why a rig's motors take no commands: what its lamp says where that is red; else empty.
   std::string link_fault(double now_s) const;
 
+  // Of a reduced model that is trained beside what runs: how far it is, [0, 1], and what is done; none is, else.
+  struct Training {
+    double share = 0.0;
+    std::string text;
+  };
+  std::optional<Training> training(double now_s) const;
+
   static constexpr double silence_s = 4.0;
 
  private:
@@ -44,7 +51,7 @@ class Lamps {
   Lamp lamp_of(const std::string& name, const std::string& task, double now_s) const;
   std::optional<double> value_of(const std::string& key, double now_s) const;
   std::optional<std::string> text_of_key(const std::string& key, double now_s) const;
-  static Lamp training(const std::string& status);
+  static Lamp training(const std::string& status);  // "training: 40 %, ..." or "not trained: ..."
   Lamp audited(double error_m, double now_s) const;
   static Lamp squeezed(double least);
   static Lamp contact(double force_n);

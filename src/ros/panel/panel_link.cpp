@@ -10,6 +10,7 @@
 #include <soft_robot_lab/Calibrate.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/LoadScene.h>
+#include <soft_robot_lab/UseSolver.h>
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
@@ -84,6 +85,7 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
                                }),
       listen_to<MarkerObservations>(node_, topics::simulator_markers, 1, [this](const auto& m) { on_markers(m); }),
       listen_to<std_msgs::String>(node_, topics::simulator_scene, 1, [this](const auto& m) { on_scene(m.data); }),
+      listen_to<std_msgs::String>(node_, topics::simulator_solver, 1, [this](const auto& m) { solver_ = m.data; }),
       listen_to<Target>(node_, topics::controller_target, 1, [this](const auto& m) { on_target(m); }),
       listen_to<OptimisePolicyResult>(node_, topics::target_answer, 10, [this](const auto& m) { on_target_answer(m); }),
       listen_to<RealityGap>(node_, topics::reality_gap, 1,
@@ -336,6 +338,13 @@ void PanelLink::load(const std::string& scene) {
   request.path = scene;
   calls_.start(slow_lane, "Load",
                [this, request] { return calls_.ask<LoadScene>(node_, topics::simulator_load, request).message; });
+}
+
+void PanelLink::use_solver(const std::string& solver) {
+  UseSolver::Request request;
+  request.solver = solver;
+  calls_.start(slow_lane, "Solver",
+               [this, request] { return calls_.ask<UseSolver>(node_, topics::simulator_use_solver, request).message; });
 }
 
 void PanelLink::clear() { ask_trigger(quick_lane, "Clear", topics::motor_clear); }

@@ -38,6 +38,7 @@ class PanelLink {
   ActuatorValues& values() { return values_; }
   const ActuatorValues& values() const { return values_; }
   std::vector<Lamp> lamps() const;
+  std::optional<Lamps::Training> training() const { return lamps_.training(now_s()); }
   const std::vector<std::string>& markers() const { return markers_.names; }
   // Of that marker: what was last searched for, else where it is; empty where neither is known.
   std::optional<geometry_msgs::Point> target(const std::string& marker) const;
@@ -62,9 +63,11 @@ class PanelLink {
   void show_tips(const ReachableTips& tips, const TipQuantity& coloured_by);
   void diagnose(const TurnGap& longest);  // of the window, in the last second
   void play(const Policy& policy);
-  void stop();                                         // all: searches, policies, drives
-  const std::string& scene() const { return scene_; }  // path of what runs; empty: not known
-  void load(const std::string& scene);                 // another robot
+  void stop();                                           // all: searches, policies, drives
+  const std::string& scene() const { return scene_; }    // path of what runs; empty: not known
+  void load(const std::string& scene);                   // another robot
+  const std::string& solver() const { return solver_; }  // asked for in this session; empty: not known
+  void use_solver(const std::string& solver);
   // Around the skin of what runs, as it was first heard of; in robot_base.
   const std::optional<Eigen::AlignedBox3d>& robot_box() const { return robot_box_m_; }
   const std::string& robot_frame() const { return robot_frame_; }  // its name in this session
@@ -99,7 +102,7 @@ class PanelLink {
   std::optional<Target> target_;
   int targets_ = 0, robots_ = 0;
   ros::Time started_;  // the scene
-  std::string scene_, plotted_;
+  std::string scene_, solver_, plotted_;
   History history_;
   std::optional<MotorState> motors_;  // of a rig
   bool recording_ = false;

@@ -109,7 +109,26 @@ QWidget* SessionPanel::make_chooser() {
     scene_->addItem(QString::fromStdString(label), QString::fromStdString(file));
   scene_->addItem("Another file ...");
   connect(scene_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) { choose_scene(index); });
-  return scene_;
+  solver_ = new QComboBox(this);
+  solver_->setToolTip("What moves the simulation, from where it is. A reduced model that is not kept is trained first");
+  solver_->addItems({"newton", "xpbd", "reduced"});
+  connect(solver_, QOverload<int>::of(&QComboBox::activated), this, [this] {
+    const QString name = solver_->currentText();
+    if (name.toStdString() == link_->solver()) return;
+    report_success("Loads the scene for " + name + " ...");
+    link_->use_solver(name.toStdString());
+  });
+  training_ = new QProgressBar(this);
+  training_->setRange(0, 100);
+  training_->setVisible(false);
+  auto* box = new QWidget(this);
+  auto* grid = new QGridLayout(box);
+  grid->setContentsMargins(0, 0, 0, 0);
+  grid->addWidget(scene_, 0, 0);
+  grid->addWidget(solver_, 0, 1);
+  grid->addWidget(training_, 1, 0, 1, 2);
+  grid->setColumnStretch(0, 1);
+  return box;
 }
 
 QWidget* SessionPanel::make_actuators() {
@@ -246,6 +265,7 @@ void SessionPanel::refresh() {
   link_->listen();
   refresh_rows();
   refresh_scene();
+  refresh_solver();
   refresh_view();
   refresh_target();
   refresh_plot();
@@ -323,6 +343,20 @@ void SessionPanel::refresh_scene() {
     scene_->insertItem(index, QString::fromStdString(label_of(link_->scene())), path);
   }
   if (!link_->busy()) scene_->setCurrentIndex(index);
+}
+
+// Follows what the session was asked for; the lamps say what moves the robot meanwhile.
+void SessionPanel::refresh_solver() {
+  const int index = solver_->findText(QString::fromStdString(link_->solver()));
+  solver_->setVisible(index >= 0);
+  solver_->setEnabled(!link_->busy() && link_->offers(topics::simulator_use_solver));
+  if (index >= 0 && !link_->busy() && !solver_->view()->isVisible()) solver_->setCurrentIndex(index);
+  const auto training = link_->training();
+  training_->setVisible(training.has_value());
+  if (!training) return;
+  training_->setValue(static_cast<int>(100.0 * training->share + 0.5));
+  training_->setFormat("trains a reduced model: %p %");
+  training_->setToolTip(QString::fromStdString(training->text));
 }
 
 // Once for each robot; then the camera is the user's.

@@ -7,6 +7,7 @@
 
 #include <QComboBox>
 #include <QLabel>
+#include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QTabWidget>
@@ -50,6 +51,7 @@ class SessionPanel : public rviz::Panel {
   void refresh_rows();
   void show_whole_rows();
   void refresh_scene();
+  void refresh_solver();
   void refresh_view();
   void refresh_plot();
   void refresh_workspace();
@@ -94,6 +96,8 @@ class SessionPanel : public rviz::Panel {
   WorkspaceView* workspace_ = nullptr;
   std::optional<Eigen::Vector3d> wanted_;  // a tip that was chosen while something else is under way
   int undrawn_ = 0;                        // refreshes since the plot was drawn
+  QComboBox* solver_ = nullptr;
+  QProgressBar* training_ = nullptr;
   QComboBox *scene_ = nullptr, *marker_ = nullptr, *method_ = nullptr, *pose_ = nullptr;
   NumberBox* target_mm_[3] = {};
   QPushButton *optimise_ = nullptr, *execute_ = nullptr, *stop_ = nullptr, *reset_ = nullptr;

@@ -236,6 +236,39 @@ TEST_F(ReducedScene, HandsARobotThatMovesOverAndBackWithoutAJump) {
   EXPECT_NEAR(motion.time_s(), newton.time_s(), 1e-9);
 }
 
+// Each solver goes on where another one is, on the way from one command to another.
+TEST_F(ReducedScene, GoesOnWhereAnotherSolverIs) {
+  Scene from = load("method: newton", kMotion);
+  SceneMotion newton(from);
+  newton.set_command("left", 0.94);
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(newton.step().converged);
+  const SimulationState there = newton.place().full;
+  const Eigen::Matrix3Xd there_m = newton.markers_m();
+  ASSERT_GT(there.velocities_m_s.colwise().norm().maxCoeff(), 1e-3);
+  ASSERT_TRUE(newton.step().converged);
+  const Eigen::Matrix3Xd step_m = newton.markers_m() - there_m;
+  for (const std::string& method : {std::string("method: newton"), std::string("method: xpbd"), kReduced}) {
+    SCOPED_TRACE(method);
+    Scene scene = load(method, kMotion);
+    SceneMotion motion(scene);
+    motion.go_on_from(there);
+    EXPECT_EQ(motion.time_s(), there.time_s);
+    EXPECT_EQ(motion.drives()[0].command, 0.94);
+    EXPECT_EQ(motion.reduced(), method == kReduced);
+    const double allowed_m = motion.reduced() ? motion.audits().limit_m : 1e-12;
+    EXPECT_LE((motion.markers_m() - there_m).norm(), allowed_m);
+    const Eigen::Matrix3Xd begun_m = motion.markers_m(), velocities_m_s = motion.place().full.velocities_m_s;
+    EXPECT_LE((velocities_m_s - there.velocities_m_s).norm(), (motion.reduced() ? 0.1 : 0.0) * velocities_m_s.norm());
+    ASSERT_TRUE(motion.step().converged);
+    if (method != "method: xpbd") {  // which damps less than a long step of newton
+      EXPECT_LT((motion.markers_m() - begun_m - step_m).norm(), 0.2 * step_m.norm());
+    }
+    SimulationState other = there;
+    other.positions_m.conservativeResize(3, 7);
+    EXPECT_THROW(motion.go_on_from(other), std::invalid_argument);
+  }
+}
+
 TEST_F(ReducedScene, TakesNoStateThatItWasNotTrainedFor) {
   Scene scene = load(kReduced, kMotion);
   SceneMotion motion(scene);

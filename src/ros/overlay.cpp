@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -17,6 +16,7 @@
 #include "frames.h"
 #include "overlay_names.h"
 #include "plasma.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -42,12 +42,6 @@ const std_msgs::ColorRGBA contact_colour = colour(0.80f, 0.20f, 0.05f);
 const std_msgs::ColorRGBA sticking_colour = colour(0.10f, 0.55f, 0.20f, 0.7f);
 const std_msgs::ColorRGBA slipping_colour = colour(0.85f, 0.35f, 0.05f, 0.7f);
 const std_msgs::ColorRGBA text_colour = colour(0.10f, 0.10f, 0.10f);
-
-std::string text_of(double value, const char* format) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 // Texts, and what belongs to them: a window lays these out, so that they have a fixed size and overlap nothing.
 bool is_label(const std::string& ns) {
@@ -231,7 +225,7 @@ void draw_tension_scale(const geometry_msgs::Point& middle, double full_tension_
     colours.push_back(tension_colour(static_cast<double>(i) / parts));
   }
   drawing.line(overlay_names::tension_scale, "bar", points, 0.6 * options.text_height_m, colours.front(), colours)
-      .text = text_of(full_tension_n, "%g N");
+      .text = format_number(full_tension_n) + " N";
 }
 
 void draw_cables(const ActuatorState& actuators, double full_tension_n, const OverlayOptions& options,
@@ -243,7 +237,7 @@ void draw_cables(const ActuatorState& actuators, double full_tension_n, const Ov
                  tension_colour(cable.tension_n / full_tension_n));
     const geometry_msgs::Point& place = cable.path.front();
     if (!top || place.z > top->z) top = place;
-    drawing.text("cable_tensions", cable.name, place, cable.name + text_of(cable.tension_n, " %.1f N"));
+    drawing.text("cable_tensions", cable.name, place, cable.name + " " + format_fixed(cable.tension_n, 1) + " N");
   }
   if (!top) return;
   top->x = 0.0;
@@ -254,8 +248,8 @@ void draw_cables(const ActuatorState& actuators, double full_tension_n, const Ov
 void draw_chambers(const ActuatorState& actuators, Drawing& drawing) {
   for (const ChamberState& chamber : actuators.chambers) {
     drawing.text("chamber_pressures", chamber.name, chamber.centre,
-                 chamber.name + text_of(1e-3 * chamber.gauge_pressure_pa, " %.1f kPa") +
-                     text_of(1e6 * chamber.volume_m3, "\n%.1f ml"));
+                 chamber.name + " " + format_fixed(1e-3 * chamber.gauge_pressure_pa, 1) + " kPa\n" +
+                     format_fixed(1e6 * chamber.volume_m3, 1) + " ml");
   }
 }
 
@@ -274,7 +268,7 @@ void draw_contacts(const Contacts& contacts, const OverlayOptions& options, Draw
     if (contact.area_m2 > 0.0 && !normal.isZero())
       drawing.disc("contact_areas", name, center_m, normal, contact.area_m2,
                    contact.slipping_area_m2 > contact.sticking_area_m2 ? slipping_colour : sticking_colour);
-    drawing.text("contact_forces", name, contact.center, text_of(contact.normal_force_n, "%.2f N"));
+    drawing.text("contact_forces", name, contact.center, format_fixed(contact.normal_force_n, 2) + " N");
   }
 }
 
@@ -292,11 +286,11 @@ void draw_gap(const RealityGap& gap, const OverlayOptions& options, Drawing& dra
     simulated.y -= gap.gaps[i].y;
     simulated.z -= gap.gaps[i].z;
     drawing.line("gap", gap.names[i], {simulated, measured}, 0.5 * options.cable_width_m, error_colour);
-    drawing.text("gap_text", gap.names[i], measured, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
+    drawing.text("gap_text", gap.names[i], measured, format_fixed(1e3 * gap.distances_m[i], 2) + " mm");
   }
   geometry_msgs::Point above;
   above.z = 8.4 * options.text_height_m;  // above the axes of the frame and the scale of tensions
-  drawing.text(overlay_names::gap, "rms", above, text_of(1e3 * gap.rms_m, "gap %.2f mm rms"));
+  drawing.text(overlay_names::gap, "rms", above, "gap " + format_fixed(1e3 * gap.rms_m, 2) + " mm rms");
 }
 
 void draw_error(const MarkerObservations& markers, const Target& target, const OverlayOptions& options,
@@ -307,7 +301,7 @@ void draw_error(const MarkerObservations& markers, const Target& target, const O
   const geometry_msgs::Point& to = target.position;
   const double distance_m = std::hypot(to.x - from.x, to.y - from.y, to.z - from.z);
   drawing.line(overlay_names::error, target.marker, {from, to}, 0.5 * options.cable_width_m, error_colour).text =
-      text_of(1000.0 * distance_m, "%.2f mm");
+      format_fixed(1e3 * distance_m, 2) + " mm";
 }
 
 void require_number(double value, const char* field) {

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "conversions.h"
 #include "frames.h"
@@ -12,8 +13,9 @@
 
 namespace soft_robot_lab {
 
-PolicySearch::PolicySearch(ros::NodeHandle& node)
-    : progress_publisher_(node.advertise<PolicyProgress>(topics::controller_progress, 100)),
+PolicySearch::PolicySearch(ros::NodeHandle& node, Aimed aimed)
+    : aimed_(std::move(aimed)),
+      progress_publisher_(node.advertise<PolicyProgress>(topics::controller_progress, 100)),
       target_publisher_(node.advertise<Target>(topics::controller_target, 1, true)) {}
 
 PolicyAnswer PolicySearch::find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
@@ -32,7 +34,10 @@ PolicyAnswer PolicySearch::go_on(Simulation& model, const PolicyTask& task, cons
       model, [this, others = model.interrupt()] { return cancelled_ || !ros::ok() || (others && others()); });
   const auto show = [&](size_t pose, const auto& actuators, const auto& progress) {
     const MarkerGoal& goal = task.poses[pose].goals.front();
-    if (published != pose) publish_target(goal);
+    if (published != pose) {
+      publish_target(goal);
+      aimed_(goal);
+    }
     published = pose;
     publish_progress(options.method, goal.marker, actuators, progress);
     return ros::ok() && !cancelled_ && (!after_each || after_each(progress));

@@ -16,7 +16,10 @@ namespace soft_robot_lab {
 
 class PolicySearch {
  public:
-  explicit PolicySearch(ros::NodeHandle& node);
+  using Aimed = std::function<void(const MarkerGoal&)>;
+
+  // `aimed` learns what is searched for when controller/target does, in the thread that searches.
+  PolicySearch(ros::NodeHandle& node, Aimed aimed);
 
   // From the model's rest state without commands, whatever it was asked before; one search at a time. Throws what
   // find_policy throws. `reduced` as find_policy has it.
@@ -40,6 +43,7 @@ class PolicySearch {
   void publish_progress(const std::string& method, const std::string& marker, const std::vector<std::string>& actuators,
                         const OptimisationProgress& progress) const;
 
+  Aimed aimed_;
   ros::Publisher progress_publisher_, target_publisher_;
   std::atomic<bool> has_target_{false};
   std::atomic<bool> searching_{false};

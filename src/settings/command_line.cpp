@@ -243,10 +243,10 @@ int run_program(CommandLine& line, int argc, char** argv, const std::function<in
     require_printed();
     return status;
   } catch (const WriteError& error) {
-    std::cerr << line.program() << ": " << error.what() << "\n";
+    std::cerr << line.program() << ": " << printable(error.what()) << "\n";
     return kNotGood;
   } catch (const std::exception& error) {
-    std::cerr << line.program() << ": " << without_library(error.what()) << "\n";
+    std::cerr << line.program() << ": " << printable(without_library(error.what())) << "\n";
     return kFailed;
   }
 }

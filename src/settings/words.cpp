@@ -2,6 +2,8 @@
 #include "words.h"
 
 #include <algorithm>
+#include <iomanip>
+#include <locale>
 #include <sstream>
 #include <utility>
 
@@ -39,6 +41,21 @@ std::string format_number(double value) {
   text.precision(10);
   text << value;
   return text.str();
+}
+
+std::string format_fixed(double value, int decimals) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::fixed << std::setprecision(decimals) << value;
+  const std::string shown = text.str();
+  const bool is_zero = shown.find_first_not_of("-0.") == std::string::npos;
+  return is_zero && shown[0] == '-' ? shown.substr(1) : shown;
+}
+
+std::string printable(std::string text) {
+  const auto steers = [](unsigned char c) { return (c < ' ' && c != '\n' && c != '\t') || c == 127; };
+  std::replace_if(text.begin(), text.end(), steers, '?');
+  return text;
 }
 
 std::string html_escaped(const std::string& text) {

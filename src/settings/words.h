@@ -12,7 +12,10 @@ namespace soft_robot_lab {
 
 std::string join(const std::vector<std::string>& words);  // with commas
 std::string format_number(double value);
-std::string quote(const std::string& text);         // as YAML
+std::string format_fixed(double value, int decimals);  // never as -0.0; a decimal point in every locale
+std::string quote(const std::string& text);            // as YAML
+// For messages that repeat what stands in a file: `?` for what would steer a terminal, or end a text of C.
+std::string printable(std::string text);
 std::string html_escaped(const std::string& text);  // for the text and attributes of a page
 std::string unknown_key_message(const std::string& key, std::vector<std::string> known);
 std::string missing_key_message(const std::string& key, const std::vector<std::string>& unread);

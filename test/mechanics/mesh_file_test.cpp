@@ -91,6 +91,7 @@ TEST(ReadMsh, NamesFileAndLineOfWhatIsWrong) {
   EXPECT_EQ(refusal("solid ascii\n"), "1: expected a section, found 'solid'");
   EXPECT_EQ(refusal("$Nodes\n0\n$EndNodes\n"), "1: expected $MeshFormat first: not an MSH file");
   EXPECT_EQ(refusal(head + "$Nodes\n2\n1 0 0 0\n1 0 0 1\n"), "7: node 1 stands twice");
+  EXPECT_EQ(refusal(head + "$Nodes\n2\n1 0 0 0" + std::string(1, '\0') + "\n"), "6: '0?' is not a finite number");
   EXPECT_EQ(refusal(head + "$Nodes\n2\n1 0 0 nan\n"), "6: 'nan' is not a finite number");
   EXPECT_EQ(refusal(head + "$Nodes\n2\n1 0 0\n"), "6: '' is not a finite number");
   EXPECT_EQ(refusal(head + "$Nodes\n2\n1 0 0 0\n"), "6: the file ends too early");

@@ -142,6 +142,13 @@ TEST_F(ShownActuators, StayWithinTheirLimitsAndRefuseWhatIsNoNumber) {
   EXPECT_EQ(values_.take_command().names.size(), 1u);
 }
 
+TEST_F(ShownActuators, ShowNoNegativeZero) {
+  ActuatorState state = state_of(0.9, 20.0);
+  state.chambers[0].gauge_pressure_pa = -4.0;
+  values_.add_state(state, 0.0);
+  EXPECT_EQ(values_.rows()[1].measured, "20.0 ml, 0.00 kPa, 12.50 ml");
+}
+
 TEST_F(ShownActuators, ShowTheirMeasurementsInUnits) {
   values_.add_state(state_of(0.9, 20.0), 0.0);
   EXPECT_EQ(left().measured, "0.900, 1.25 N");

@@ -159,6 +159,8 @@ TEST(Overlay, WritesPressureAndVolumeIntoChambers) {
   ASSERT_EQ(texts.size(), 1u);
   EXPECT_EQ(texts[0].text, "a 1.2 kPa\n80.0 ml");
   EXPECT_EQ(texts[0].pose.position.y, 0.01);
+  inflated.actuators.chambers[0].gauge_pressure_pa = -49.0;
+  EXPECT_EQ(shapes_in(inflated, "chamber_pressures").at(0).text, "a 0.0 kPa\n80.0 ml");
 }
 
 TEST(Overlay, DrawsTheErrorInMillimetresOnlyWithATarget) {

@@ -58,6 +58,19 @@ TEST(Lamps, ShowTheSimulationAndItsSpeed) {
   EXPECT_EQ(lamps.lamps(1.5)[1].level, Level::warn);
 }
 
+TEST(Lamps, SayInTheWindowWhatLasts) {
+  Lamps lamps;
+  diagnostic_msgs::DiagnosticArray solves = diagnosis("simulator: simulation", 1, "solving for 12 s; Stop ends it");
+  solves.status[0].values.resize(1);
+  solves.status[0].values[0].key = "lasts [s]";
+  solves.status[0].values[0].value = "12";
+  lamps.add(solves, 0.0);
+  EXPECT_EQ(lamps.lamps(0.5)[0].value, "solving for 12 s; Stop ends it");
+  EXPECT_EQ(lamps.lamps(0.5)[1].value, "0.00 x");
+  lamps.add(diagnosis("simulator: simulation", 0, "runs", "1"), 1.0);
+  EXPECT_EQ(lamps.lamps(1.5)[0].value, "");
+}
+
 TEST(Lamps, ShowHowSqueezedTheSiliconeIsAndWhatItTouches) {
   Lamps lamps;
   auto heard = diagnosis("simulator: simulation", 0, "runs", "1");

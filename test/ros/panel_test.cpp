@@ -424,6 +424,26 @@ TEST_F(Panel, ShowsTheTargetThatIsChosen) {
   EXPECT_FALSE(spin_until([&] { return std::abs(ball_m() - target.position.x) < 1e-9; }, 1.0)) << "there is no nose";
 }
 
+TEST_F(Panel, ShowsTheTargetOfASearchThatFindsNothing) {
+  OptimisePolicy::Request endless;
+  endless.method = "cma_es";
+  endless.marker = "tip";
+  endless.target = to_message(Eigen::Vector3d(0.0123, 0.0, -0.095));
+  endless.max_iterations = 100000;
+  endless.tolerance_m = 1e-9;
+  auto answer =
+      std::async(std::launch::async, [&] { return ask<OptimisePolicy>(node_, topics::optimise_policy, endless); });
+  const auto ball_m = [&] {
+    return hear<visualization_msgs::InteractiveMarkerInit>(node_, std::string(topics::target_marker) + "/update_full")
+        ->markers.at(0)
+        .pose.position.x;
+  };
+  EXPECT_TRUE(spin_until([&] { return std::abs(ball_m() - endless.target.x) < 1e-9; }, patience_s));
+  ask<std_srvs::Trigger>(node_, topics::cancel_policy);
+  EXPECT_FALSE(answer.get().message.empty());
+  EXPECT_EQ(ball_m(), endless.target.x);
+}
+
 TEST_F(Panel, OptimisesForTheTargetThatItShows) {
   const ros::Time pressed = ros::Time::now();
   std::string method;

@@ -31,6 +31,12 @@ std::string said(const std::function<void()>& work) {
   return testing::internal::GetCapturedStderr();
 }
 
+TEST(CommandLine, SaysNothingThatSteersATerminal) {
+  EXPECT_EQ(said([] { throw std::runtime_error("a.yaml: '\x1b[2J\r\x7f' is no ü\n\tin line 1"); }),
+            "nothing: a.yaml: '?[2J?"
+            "?' is no ü\n\tin line 1\n");
+}
+
 TEST(CommandLine, SaysWhatALibraryThrewInOurWords) {
   using Json = nlohmann::json;
   EXPECT_EQ(said([] { throw std::runtime_error("a.yaml: wrong [1] is not 2"); }),

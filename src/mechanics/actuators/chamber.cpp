@@ -219,7 +219,7 @@ ActuatorReading Chamber::observe(const Eigen::Matrix3Xd& positions_m, const std:
   ActuatorReading reading;
   reading.volume_m3 = volume_->volume_m3(positions_m);
   reading.initial_volume_m3 = initial_volume_m3_;
-  reading.gauge_pressure_pa = -multipliers.at(0);
+  reading.gauge_pressure_pa = 0.0 - multipliers.at(0);  // no -0 where there is none
   reading.surface = surface_;
   reading.center_m = Eigen::Vector3d::Zero();
   for (const int node : nodes_) *reading.center_m += positions_m.col(node) / static_cast<double>(nodes_.size());

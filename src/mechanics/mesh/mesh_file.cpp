@@ -9,6 +9,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "settings/words.h"
 #include "tet_faces.h"
 #include "soft_robot_lab/mechanics/tet_mesh.h"
 
@@ -78,7 +79,7 @@ class LineReader {
   int line() const { return line_; }
   [[noreturn]] void fail(const std::string& message) const { fail_at(line_, message); }
   [[noreturn]] void fail_at(int line, const std::string& message) const {
-    throw std::invalid_argument(path_ + ":" + std::to_string(line) + ": " + message);
+    throw std::invalid_argument(path_ + ":" + std::to_string(line) + ": " + printable(message));
   }
 
  private:

@@ -153,7 +153,7 @@ class VtkReader {
 
   [[noreturn]] void fail(const std::string& message) const {
     const auto lines = std::count(content_.begin(), content_.begin() + static_cast<long>(at_), '\n') + 1;
-    throw std::invalid_argument(path_ + (binary_ ? "" : ":" + std::to_string(lines)) + ": " + message);
+    throw std::invalid_argument(path_ + (binary_ ? "" : ":" + std::to_string(lines)) + ": " + printable(message));
   }
 
  private:

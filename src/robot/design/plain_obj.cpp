@@ -43,7 +43,7 @@ class ObjText {
 
  private:
   [[noreturn]] void fail(const std::string& why) const {
-    throw std::invalid_argument("is no OBJ file: line " + std::to_string(line_) + ": " + why);
+    throw std::invalid_argument("is no OBJ file: line " + std::to_string(line_) + ": " + printable(why));
   }
 
   static void strip(std::string& line) {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kHeader = 80, kStart = kHeader + 4, kFacet = 50, kCorners = 9;  // bytes; floats of a facet
 
-[[noreturn]] void fail(const std::string& why) { throw std::invalid_argument("is no STL file: " + why); }
+[[noreturn]] void fail(const std::string& why) { throw std::invalid_argument("is no STL file: " + printable(why)); }
 
 void require_few(std::size_t triangles) {
   if (triangles == 0) throw std::invalid_argument("holds no triangles");

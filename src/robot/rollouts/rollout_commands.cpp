@@ -15,6 +15,7 @@
 #include "settings/csv_cells.h"
 #include "settings/limits.h"
 #include "settings/read_file.h"
+#include "settings/unit_limits.h"
 #include "settings/words.h"
 
 namespace soft_robot_lab {
@@ -24,7 +25,7 @@ constexpr std::uintmax_t kLargestCommands_bytes = limits::kCommands_bytes;
 using limits::kRollouts;
 
 [[noreturn]] void fail(const std::string& where, const std::string& why) {
-  throw std::invalid_argument(where + ": " + why);
+  throw std::invalid_argument(where + ": " + printable(why));
 }
 
 // Before memory is asked for: a number of a file takes many times as much here.
@@ -96,12 +97,15 @@ class CommandTable {
   double number_in(const std::string& where, const std::string& column, const std::string& cell) const {
     const std::optional<double> value = parse_number<double>(cell);
     if (!value || !std::isfinite(*value)) fail(where, column + ": '" + cell + "' is not a finite number");
-    if (column != "rollout" && column != "time_s") {
-      try {
+    if (column == "rollout") return *value;
+    try {
+      if (column == "time_s") {
+        require_in_unit(column, *value);
+      } else {
         model_.actuators()[static_cast<std::size_t>(model_.actuator_index(column))]->require_in_limits(*value);
-      } catch (const std::invalid_argument& error) {
-        fail(where, error.what());
       }
+    } catch (const std::invalid_argument& error) {
+      fail(where, error.what());
     }
     return *value;
   }

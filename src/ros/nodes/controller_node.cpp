@@ -142,7 +142,7 @@ class ControllerNode {
   PolicyExecution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
 
   ros::NodeHandle node_;
-  PolicySearch search_{node_};
+  PolicySearch search_{node_, [this](const MarkerGoal& goal) { show_target(goal.marker, goal.target_m); }};
   ros::Publisher command_publisher_, target_answers_;
   PresentPublisher<visualization_msgs::Marker> ghost_{topics::controller_ghost};
   PresentPublisher<visualization_msgs::Marker> shown_preview_{topics::controller_preview};
@@ -286,8 +286,6 @@ void ControllerNode::show_ghost() {
 }
 
 void ControllerNode::remember(const PolicyTask& task, const PolicyAnswer& answer) {
-  const MarkerGoal& goal = task.poses.back().goals.front();
-  show_target(goal.marker, goal.target_m);
   const std::lock_guard lock(mutex_);
   const bool played = answer.summaries.back().stop_reason != "cancelled";  // so the model is there
   if (played) show_ghost();

@@ -485,6 +485,7 @@ void SimulatorNode::report_what_lasts(const std::string& what,
   const auto lasts_s = static_cast<long>(machine_time_s() - since_s_);
   status.summary(diagnostic_msgs::DiagnosticStatus::WARN,
                  what + " for " + std::to_string(lasts_s) + " s; Stop ends it");
+  status.add("lasts [s]", lasts_s);
 }
 
 void SimulatorNode::diagnose_solver(diagnostic_updater::DiagnosticStatusWrapper& status) const {

@@ -3,18 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
+
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
 
 std::string text_of(double value, int decimals, const std::string& unit) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return unit.empty() ? text : text + (" " + unit);
+  return format_fixed(value, decimals) + (unit.empty() ? "" : " " + unit);
 }
 
 double rounded(double value, int decimals) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "settings/words.h"
 
@@ -17,12 +16,6 @@ constexpr char session_watch[] = "session_watch: session";
 Lamp::Level level_of(const diagnostic_msgs::DiagnosticStatus& status) {
   if (status.level == diagnostic_msgs::DiagnosticStatus::OK) return Lamp::Level::ok;
   return status.level == diagnostic_msgs::DiagnosticStatus::WARN ? Lamp::Level::warn : Lamp::Level::error;
-}
-
-std::string text_of(double value, const char* format) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 // Empty for another session's.
@@ -95,6 +88,9 @@ std::optional<std::string> Lamps::text_of_key(const std::string& key, double now
   return std::nullopt;
 }
 
+// A step or a load of the simulation.
+bool Lamps::lasts(double now_s) const { return text_of_key("lasts [s]", now_s).has_value(); }
+
 std::optional<double> Lamps::value_of(const std::string& key, double now_s) const {
   const std::optional<std::string> text = text_of_key(key, now_s);
   return text ? parse_number<double>(*text) : std::nullopt;
@@ -102,7 +98,7 @@ std::optional<double> Lamps::value_of(const std::string& key, double now_s) cons
 
 Lamp Lamps::squeezed(double least) {
   const Lamp::Level level = least <= 0.0 ? Lamp::Level::error : least < 0.2 ? Lamp::Level::warn : Lamp::Level::ok;
-  return {"det F", level, text_of(least, "%.2f"),
+  return {"det F", level, format_fixed(least, 2),
           "least volume of the silicone over that at rest, element by element: below 0 the mesh is turned over"};
 }
 
@@ -110,10 +106,10 @@ Lamp Lamps::squeezed(double least) {
 Lamp Lamps::audited(double error_m, double now_s) const {
   const double trusted_m = value_of("trusted error [m]", now_s).value_or(0.0);
   const bool moves = text_of_key("solver", now_s) == "reduced";
-  const std::string value = moves ? text_of(1e3 * error_m, "%.2f mm") : "newton";
+  const std::string value = moves ? format_fixed(1e3 * error_m, 2) + " mm" : "newton";
   return {"Reduced", moves ? Lamp::Level::ok : Lamp::Level::warn, value,
           "largest error of the reduced model that an audit estimated; it is left for newton beyond " +
-              text_of(1e3 * trusted_m, "%.2f mm")};
+              format_fixed(1e3 * trusted_m, 2) + " mm"};
 }
 
 Lamp Lamps::training(const std::string& status) {
@@ -127,18 +123,26 @@ std::optional<Lamps::Training> Lamps::training(double now_s) const {
 }
 
 Lamp Lamps::contact(double force_n) {
-  return {"Contact", Lamp::Level::ok, force_n > 0.0 ? text_of(force_n, "%.2f N") : "none",
+  return {"Contact", Lamp::Level::ok, force_n > 0.0 ? format_fixed(force_n, 2) + " N" : "none",
           "sum of the forces with which the skin is pressed"};
+}
+
+// In the window, not in a hint alone, where something lasts that Stop ends.
+Lamp Lamps::simulated(double now_s) const {
+  Lamp lamp = lamp_of("Simulation", simulation, now_s);
+  if (lasts(now_s)) lamp.value = lamp.reason;
+  return lamp;
 }
 
 Lamp Lamps::speed(double now_s) const {
   Lamp lamp = lamp_of("Speed", simulation, now_s);
   if (lamp.level == Lamp::Level::unknown) return lamp;
+  if (lasts(now_s)) return {"Speed", Lamp::Level::warn, "0.00 x", lamp.reason};
   for (const auto& value : heard_.at(simulation).status.values) {
     if (value.key != "real-time factor") continue;
     const double factor = parse_number<double>(value.value).value_or(0.0);
     lamp.level = factor < 0.9 ? Lamp::Level::warn : Lamp::Level::ok;
-    lamp.value = text_of(factor, "%.2f x");
+    lamp.value = format_fixed(factor, 2) + " x";
     lamp.reason = "simulated seconds in a second";
   }
   return lamp;
@@ -153,7 +157,7 @@ Lamp Lamps::gap(double now_s) const {
     return lamp;
   }
   lamp.level = Lamp::Level::ok;
-  lamp.value = text_of(1e3 * gap_rms_m_, "%.2f mm");
+  lamp.value = format_fixed(1e3 * gap_rms_m_, 2) + " mm";
   lamp.reason = "measured less simulated markers, root mean square";
   return lamp;
 }
@@ -165,7 +169,7 @@ std::string Lamps::link_fault(double now_s) const {
 }
 
 std::vector<Lamp> Lamps::lamps(double now_s) const {
-  std::vector<Lamp> lamps = {lamp_of("Simulation", simulation, now_s), speed(now_s)};
+  std::vector<Lamp> lamps = {simulated(now_s), speed(now_s)};
   if (heard_.count(motors) > 0) lamps.push_back(lamp_of("Link", motors, now_s));
   if (gap_at_s_ >= 0.0) lamps.push_back(gap(now_s));
   if (const auto status = text_of_key("reduced model", now_s)) lamps.push_back(training(*status));

@@ -55,6 +55,8 @@ class Lamps {
   Lamp audited(double error_m, double now_s) const;
   static Lamp squeezed(double least);
   static Lamp contact(double force_n);
+  bool lasts(double now_s) const;
+  Lamp simulated(double now_s) const;
   Lamp speed(double now_s) const;
   Lamp gap(double now_s) const;
 

@@ -58,6 +58,13 @@ TEST(Chamber, IsAtRestWithItsInitialGas) {
   EXPECT_NEAR(*reading.gauge_pressure_pa, 0.0, 1e-6);
 }
 
+TEST(Chamber, HasNoNegativeZeroOfPressure) {
+  const ActuatorReading reading =
+      simulation(cube(), ", command: gauge_pressure, max_gauge_pressure_pa: 1000").actuator_state(0);
+  EXPECT_EQ(*reading.gauge_pressure_pa, 0.0);
+  EXPECT_FALSE(std::signbit(*reading.gauge_pressure_pa));
+}
+
 TEST(Chamber, ClosesTheBalanceOfPressureAndVolume) {
   Simulation inflated = simulation(cube(), "");
   for (const double beta : {1.5, 4.0, 0.5}) {

@@ -77,6 +77,8 @@ TEST(PlainStl, KeepsTheNumbersOfText) {
 
 TEST(PlainStl, NamesTheLineThatIsNoStl) {
   EXPECT_EQ(refusal("solid a\n" + facet("word")), "is no STL file: line 4: 'word' is not a finite number");
+  EXPECT_EQ(refusal("solid a\n" + facet(std::string("0\0001", 3))),
+            "is no STL file: line 4: '0?1' is not a finite number");
   EXPECT_EQ(refusal("solid a\n" + facet("nan")), "is no STL file: line 4: 'nan' is not a finite number");
   EXPECT_EQ(refusal("solid a\nSystemCall \"id\";"),
             "is no STL file: line 2: 'systemcall' stands where 'facet' is expected");

@@ -198,6 +198,8 @@ TEST_F(RolloutsOfABar, NameWhatIsWrongInATable) {
       {"time_s,left\n0,1\n", "bad.csv:1: has no column 'rollout'"},
       {"rollout,time_s,third\n0,0,1\n", "bad.csv:1: "},
       {"\xff\xfer", "bad.csv:1: is text in UTF-16"},
+      {"rollout,time_s,left\n0,1e7,1\n", "bad.csv:2: time_s: 10000000 is not in [-1000000, 1000000]"},
+      {"rollout,time_s,left\n0,0,1" + std::string(1, '\0') + "\n", "bad.csv:2: left: '1?' is not a finite number"},
   };
   for (const auto& one : cases) {
     try {

@@ -35,6 +35,25 @@ class SearchOnAReducedBar : public testing::Test {
 };
 std::unique_ptr<const ReducedChoice> SearchOnAReducedBar::reduced_;
 
+// Narrowed commands begin the training anew, three times here.
+TEST(ReducedTraining, NeverShowsLessThanBefore) {
+  ReducedRequest request;
+  request.box = {{0.95, 0.985}, {1.0, 1.0}};
+  request.modes = 2;
+  request.tolerance_m = 1e-9;
+  request.may_narrow = true;
+  double before = 0.0;
+  int begun = 0;
+  const auto show = [&](double share, const std::string& what) {
+    EXPECT_GE(share, before) << what;
+    EXPECT_LE(share, 1.0);
+    before = share;
+    begun += what == "reduced model of 2 modes";
+  };
+  EXPECT_THROW(choose_modes(bar({}, 264200.0, {0, -9.81, 0}).model(), request, show), std::invalid_argument);
+  EXPECT_EQ(begun, 4);
+}
+
 TEST_F(SearchOnAReducedBar, DerivativesAreDifferencesOfItsPredictions) {
   ReducedForwardModel model(reduced_->model, {"tip", "middle"}, {"left", "right"});
   const Eigen::Vector2d at(0.95, 0.99);

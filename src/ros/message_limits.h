@@ -58,8 +58,11 @@ void require_field_in_limits(const Field& field, const std::string& path) {
     static const std::vector<std::string> names = field_names(ros::message_traits::Definition<Field>::value());
     FieldLimits fields(names, path.empty() ? path : path + ".");
     ros::serialization::Serializer<Field>::template allInOne<FieldLimits, const Field&>(fields, field);
-  } else if constexpr (!std::is_arithmetic_v<Field> && !std::is_same_v<Field, std::string> &&
-                       !std::is_same_v<Field, ros::Time> && !std::is_same_v<Field, ros::Duration>) {
+  } else if constexpr (std::is_same_v<Field, std::string>) {
+    if (field.find('\0') != std::string::npos)  // what a message of an error repeats would end there
+      throw std::invalid_argument(path + ": holds a byte of value 0, as no text does");
+  } else if constexpr (!std::is_arithmetic_v<Field> && !std::is_same_v<Field, ros::Time> &&
+                       !std::is_same_v<Field, ros::Duration>) {
     for (const auto& item : field) require_field_in_limits(item, path);
   }
 }

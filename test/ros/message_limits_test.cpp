@@ -39,6 +39,16 @@ TEST(MessageLimits, NameTheFieldThatIsBeyondTheLimitOfItsUnit) {
   EXPECT_EQ(refusal<Request>([](Request& r) { r.target.y = 1e19; }), "target.y: 1e+19 is not in [-1e+12, 1e+12]");
 }
 
+TEST(MessageLimits, NameATextThatHoldsAZero) {
+  const std::string zero("a\0b", 3);
+  EXPECT_EQ(refusal<OptimisePolicy::Request>([&](auto& r) { r.method = zero; }),
+            "method: holds a byte of value 0, as no text does");
+  EXPECT_EQ(refusal<ActuatorState>([&](auto& m) {
+              m.names = {"left", zero};
+            }),
+            "names: holds a byte of value 0, as no text does");
+}
+
 TEST(MessageLimits, LookIntoListsAndMessagesWithin) {
   EXPECT_EQ(refusal<MarkerObservations>([](MarkerObservations& m) {
               m.covariances = {0.0, INFINITY};

@@ -455,21 +455,22 @@ TEST_P(FramingOf, ShowsTheWholeRobotAndNotFromAfar) {
   const Eigen::Matrix3d eye_from_world = (Eigen::AngleAxisd(-pitch_rad, Eigen::Vector3d::UnitX()) *
                                           Eigen::AngleAxisd(-yaw_rad - M_PI_2, Eigen::Vector3d::UnitZ()))
                                              .toRotationMatrix();  // x to the right, y ahead, z up
-  for (const Eigen::Vector3d& size_m :
-       {Eigen::Vector3d(0.03, 0.02, 0.1), Eigen::Vector3d(0.2, 0.2, 0.05), Eigen::Vector3d(0.3, 0.02, 0.02),
-        Eigen::Vector3d(0.02, 0.3, 0.02), Eigen::Vector3d(0.005, 0.005, 0.4)}) {
-    const Eigen::AlignedBox3d box_m(Eigen::Vector3d(0.1, -0.2, -size_m.z()),
-                                    Eigen::Vector3d(0.1, -0.2, 0.0) + Eigen::Vector3d(size_m.x(), size_m.y(), 0.0));
-    const Framing framing = framing_of(box_m, {yaw_rad, pitch_rad});
-    for (int corner = 0; corner < 8; ++corner) {
-      Eigen::Vector3d at_m =
-          eye_from_world * (box_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - framing.focus_m);
-      at_m.y() += framing.distance_m;
-      EXPECT_LT(std::abs(at_m.z()) / at_m.y(), std::tan(M_PI / 8)) << size_m.transpose();
-      EXPECT_LT(std::abs(at_m.x()) / at_m.y(), 1.1 * std::tan(M_PI / 8)) << size_m.transpose();
+  for (const double aspect : {1.6, 1.1, 0.5})                      // 0.5: beside the image of a camera
+    for (const Eigen::Vector3d& size_m :
+         {Eigen::Vector3d(0.03, 0.02, 0.1), Eigen::Vector3d(0.2, 0.2, 0.05), Eigen::Vector3d(0.3, 0.02, 0.02),
+          Eigen::Vector3d(0.02, 0.3, 0.02), Eigen::Vector3d(0.005, 0.005, 0.4)}) {
+      const Eigen::AlignedBox3d box_m(Eigen::Vector3d(0.1, -0.2, -size_m.z()),
+                                      Eigen::Vector3d(0.1, -0.2, 0.0) + Eigen::Vector3d(size_m.x(), size_m.y(), 0.0));
+      const Framing framing = framing_of(box_m, {yaw_rad, pitch_rad}, aspect);
+      for (int corner = 0; corner < 8; ++corner) {
+        Eigen::Vector3d at_m =
+            eye_from_world * (box_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - framing.focus_m);
+        at_m.y() += framing.distance_m;
+        EXPECT_LT(std::abs(at_m.z()) / at_m.y(), std::tan(M_PI / 8)) << size_m.transpose();
+        EXPECT_LT(std::abs(at_m.x()) / at_m.y(), aspect * std::tan(M_PI / 8)) << size_m.transpose();
+      }
+      EXPECT_LT(framing.distance_m, 3.5 * size_m.maxCoeff() / std::min(1.0, aspect)) << "not from afar";
     }
-    EXPECT_LT(framing.distance_m, 3.5 * size_m.maxCoeff()) << "not from afar";
-  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Eyes, FramingOf,

@@ -15,7 +15,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double calm_share = 0.4;         // of the threshold: cameras that differ by less agree
+constexpr double calm_share = 0.4;     // of the threshold: cameras that differ by less agree
+constexpr double settled_share = 0.8;  // of the threshold: below, what was reported is over; no report comes and goes
 constexpr double calm_memory_windows = 3;  // how far back "used to be" is, before the first difference
 constexpr double clear_ratio = 1.5;        // by which one camera must have gone further than the other, to be named
 constexpr double sigma_floor_m = 0.0003;   // of a sight
@@ -154,13 +155,18 @@ void ExtrinsicsMonitor::check() {
         for (const std::string& name : {pair.first, pair.second}) agreeing.erase(name);
       if (!enough) continue;
       watched_.insert({pair.first, pair.second});
-      if (displacement_m <= settings_.threshold_m)
+      if (displacement_m <= (is_reported(pair) ? settled_share : 1.0) * settings_.threshold_m)
         disputes_.erase(pair);
       else
         disputes_.emplace(pair, Dispute{now_s, 0}).first->second.displacement_m = displacement_m;
     }
   for (const std::string& name : agreeing) remember_calm(name);
   warn();
+}
+
+bool ExtrinsicsMonitor::is_reported(const Pair& pair) const {
+  const auto dispute = disputes_.find(pair);
+  return dispute != disputes_.end() && window_.back().stamp_s - dispute->second.since_s >= settings_.confirm_s;
 }
 
 void ExtrinsicsMonitor::remember_calm(const std::string& camera) {
@@ -199,12 +205,12 @@ std::vector<std::string> ExtrinsicsMonitor::culprits(const Pair& pair) const {
 void ExtrinsicsMonitor::warn() {
   warnings_.clear();
   for (const auto& [pair, dispute] : disputes_) {
-    if (window_.back().stamp_s - dispute.since_s < settings_.confirm_s) continue;
+    if (!is_reported(pair)) continue;
     CameraWarning warning;
     warning.cameras = culprits(pair);
     warning.displacement_m = dispute.displacement_m;
     std::ostringstream message;
-    message.precision(2);
+    message.precision(3);
     message << (warning.cameras.size() == 1 ? warning.cameras[0] + " was moved"
                                             : pair.first + " or " + pair.second + " was moved")
             << ": " << pair.first << " and " << pair.second << " see the markers " << 1000 * warning.displacement_m

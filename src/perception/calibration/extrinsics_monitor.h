@@ -75,6 +75,7 @@ class ExtrinsicsMonitor {
   std::vector<Difference> against_expected(const std::string& camera) const;
   std::vector<std::string> cameras() const;
   void check();
+  bool is_reported(const Pair& cameras) const;
   void remember_calm(const std::string& camera);
   double change_m(const std::string& camera) const;
   std::vector<std::string> culprits(const Pair& cameras) const;

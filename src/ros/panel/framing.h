@@ -16,6 +16,7 @@ struct Framing {
 };
 
 // So that a robot in this box is seen whole, with what is written around it, and with room to bend to both sides.
-Framing framing_of(const Eigen::AlignedBox3d& robot_m, const EyeAngles& eye);
+// `aspect`: width over height of the window, > 0.
+Framing framing_of(const Eigen::AlignedBox3d& robot_m, const EyeAngles& eye, double aspect);
 
 }  // namespace soft_robot_lab

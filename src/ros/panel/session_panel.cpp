@@ -17,6 +17,7 @@
 #include <QSignalBlocker>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/package.h>
+#include <rviz/render_panel.h>
 #include <rviz/view_controller.h>
 #include <rviz/view_manager.h>
 #include <rviz/visualization_manager.h>
@@ -366,7 +367,9 @@ void SessionPanel::refresh_view() {
   rviz::ViewController* view = vis_manager_->getViewManager()->getCurrent();
   if (!view || view->getClassId() != "rviz/Orbit") return;
   const auto angle = [&](const char* name) { return view->subProp(name)->getValue().toDouble(); };
-  const Framing framing = framing_of(*link_->robot_box(), {angle("Yaw"), angle("Pitch")});
+  const QWidget* window = vis_manager_->getRenderPanel();
+  const double aspect = static_cast<double>(std::max(window->width(), 1)) / std::max(window->height(), 1);
+  const Framing framing = framing_of(*link_->robot_box(), {angle("Yaw"), angle("Pitch")}, aspect);
   view->subProp("Target Frame")->setValue(QString::fromStdString(link_->robot_frame()));
   view->subProp("Distance")->setValue(framing.distance_m);
   for (int axis = 0; axis < 3; ++axis)

@@ -103,6 +103,25 @@ TEST(ExtrinsicsMonitor, NamesACameraThatWasMovedByFiveMillimetres) {
     }
 }
 
+// As an emulated session's cameras stand: its log had a warning every ten seconds.
+TEST(ExtrinsicsMonitor, WarnsOnceOfWhatStaysAtTheThreshold) {
+  Session session;
+  ExtrinsicsMonitor watch({});
+  int warned = 0;
+  bool before = false;
+  for (int i = 0; i < 16; ++i) {
+    session.knock(1, shifted(i % 2 == 0 ? 0.0027 : 0.0023, 0, 0));
+    session.run(watch, session.now_s() + 6.0);
+    const bool now = !watch.warnings().empty();
+    warned += now && !before;
+    before = now;
+  }
+  EXPECT_EQ(warned, 1);
+  session.knock(1, shifted(0.001, 0, 0));
+  session.run(watch, session.now_s() + 5.0);
+  EXPECT_TRUE(watch.warnings().empty()) << "it is over well below";
+}
+
 TEST(ExtrinsicsMonitor, NoticesATurn) {
   Session session;
   ExtrinsicsMonitor watch({});

@@ -87,16 +87,16 @@ struct RunningScene {
   }
 };
 
-// Asks for the end of what is solved, as long as it lives.
+// Asks for the end of what is solved, as long as it lives, beside others.
 class Ending {
  public:
-  explicit Ending(std::atomic<bool>& ends) : ends_(ends) { ends_ = true; }
-  ~Ending() { ends_ = false; }
+  explicit Ending(std::atomic<int>& ends) : ends_(ends) { ++ends_; }
+  ~Ending() { --ends_; }
   Ending(const Ending&) = delete;
   Ending& operator=(const Ending&) = delete;
 
  private:
-  std::atomic<bool>& ends_;
+  std::atomic<int>& ends_;
 };
 
 // Wall and session time over the last second or so.
@@ -153,7 +153,7 @@ class SimulatorNode {
   SimulatorOptions options_;
   SceneOptions scene_options_;
 
-  std::atomic<bool> ends_{false};                  // a request waits for the step that is solved, which ends
+  std::atomic<int> ends_{0};                       // a request waits for the step that is solved, which ends
   std::atomic<int> stops_{0};                      // how often a stop was asked for: a scene that is loaded gives up
   std::atomic<double> since_s_{machine_time_s()};  // what runs now, of the machine's time
   std::timed_mutex mutex_;                         // guards what follows between stepping, loading and requests
@@ -183,7 +183,7 @@ class SimulatorNode {
   ros::ServiceServer reset_, stop_, load_, use_solver_;
   // Loading takes seconds; meanwhile the old scene goes on.
   ros::CallbackQueue loading_queue_;
-  ros::AsyncSpinner loading_{1, &loading_queue_}, control_{1, &control_queue_};
+  ros::AsyncSpinner loading_{1, &loading_queue_}, control_{2, &control_queue_};  // the diagnosis waits too
 };
 
 SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {

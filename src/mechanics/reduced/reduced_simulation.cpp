@@ -101,6 +101,11 @@ ReducedSimulation::CommandPath ReducedSimulation::advance_drives(double h) {
   return path;
 }
 
+void ReducedSimulation::place_drives(const CommandPath& path, double share) {
+  for (std::size_t i = 0; i < state_.drives.size(); ++i)
+    model_->full->actuators()[i]->place(path.from[i] + share * (path.to[i] - path.from[i]), state_.drives[i]);
+}
+
 void ReducedSimulation::begin_step(double h) {
   if (!model_->constraints.begin_steps()) return;
   const Eigen::VectorXd velocities = model_->basis.modes * state_.velocity;
@@ -136,8 +141,7 @@ Eigen::VectorXd ReducedSimulation::predicted(double h) const {
 bool ReducedSimulation::advance(double h, const CommandPath& path, double from, double to, ReducedReport& report) {
   const ReducedState before = state_;
   const double part_s = (to - from) * h;
-  for (std::size_t i = 0; i < state_.drives.size(); ++i)
-    model_->full->actuators()[i]->place(path.from[i] + to * (path.to[i] - path.from[i]), state_.drives[i]);
+  place_drives(path, to);
   begin_step(part_s);
   state_.at.q = predicted(part_s);
   const double slowed = 1.0 + model_->full->body().viscosity().rayleigh_mass_per_s * part_s;  // as newton's steps
@@ -223,13 +227,13 @@ ReducedState nearest_state(const ReducedModel& model, const SimulationState& ful
   return state;
 }
 
-void ReducedSimulation::come_to_rest() {
-  for (std::size_t i = 0; i < state_.drives.size(); ++i)
-    model_->full->actuators()[i]->advance(std::numeric_limits<double>::infinity(), state_.drives[i]);
+ReducedSimulation::CommandPath ReducedSimulation::come_to_rest() {
+  CommandPath path = advance_drives(std::numeric_limits<double>::infinity());
   state_.velocity.setZero();
   state_.previous_velocity.setZero();
   state_.previous_step_s = 0.0;
   begin_step(std::numeric_limits<double>::infinity());
+  return path;
 }
 
 ReducedReport ReducedSimulation::solve_nearby() {
@@ -245,11 +249,10 @@ ReducedReport ReducedSimulation::solve_equilibrium() {
 
 // What slips hangs on the way: commands come in stages as long as Newton's method bears. Another state's cable would
 // hold other stretches, and a search swings to and fro.
-bool ReducedSimulation::relax_along_commands(const std::vector<double>& from, ReducedReport& report) {
+bool ReducedSimulation::relax_along_commands(const CommandPath& path, ReducedReport& report) {
   for (double done = 0.0, stage = 1.0; done < 1.0;) {
     const double share = std::min(1.0, done + stage);
-    for (std::size_t i = 0; i < from.size(); ++i)
-      model_->full->actuators()[i]->place(from[i] + share * (state_.drives[i].command - from[i]), state_.drives[i]);
+    place_drives(path, share);
     const bool rests = relax(kNearIterations, report);
     if (rests) done = share;
     stage *= rests ? 2.0 : 0.5;
@@ -260,11 +263,9 @@ bool ReducedSimulation::relax_along_commands(const std::vector<double>& from, Re
 
 void ReducedSimulation::seek_equilibrium(ReducedReport& report) {
   const bool from_rest = at_rest_commands();
-  std::vector<double> commands;
-  for (const DriveState& drive : state_.drives) commands.push_back(drive.actuated_command);
-  come_to_rest();
+  const CommandPath path = come_to_rest();
   if (model_->constraints.friction_contact_count() > 0) {
-    report.converged = relax_along_commands(commands, report);
+    report.converged = relax_along_commands(path, report);
     return;
   }
   report.converged = relax(kNearIterations, report) || (from_rest && relax_beside_known_rests(report));

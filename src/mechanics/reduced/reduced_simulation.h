@@ -78,11 +78,12 @@ class ReducedSimulation {
   // Actuator::begin_step and end_step.
   void begin_step(double h);
   void keep_slips();
-  void come_to_rest();
+  void place_drives(const CommandPath& path, double share);
+  CommandPath come_to_rest();  // all but the shape; returns the way that the drives took
   bool relax(int most_iterations, ReducedReport& report);
   void seek_equilibrium(ReducedReport& report);
   bool at_rest_commands() const;
-  bool relax_along_commands(const std::vector<double>& from, ReducedReport& report);
+  bool relax_along_commands(const CommandPath& path, ReducedReport& report);
   bool relax_beside_known_rests(ReducedReport& report);
 
   std::shared_ptr<const ReducedModel> model_;

@@ -35,6 +35,10 @@ std::string text_of(const ActuatorReading& chamber, double highest_pa, double ti
   return text.str();
 }
 
+bool under_held_pressure(const Actuator& actuator, const ActuatorReading& chamber) {
+  return actuator.limits().unit == "Pa" && chamber.volume_m3 && *chamber.volume_m3 > 0.0;
+}
+
 std::vector<ActuatorReading> readings_of(const SimulationParts& parts) {
   std::vector<ActuatorReading> readings;
   for (std::size_t i = 0; i < parts.actuators.size(); ++i) readings.push_back(parts.reading_of(i));
@@ -47,8 +51,7 @@ Ballooning::Ballooning(const SimulationParts& parts) : at_rest_(readings_of(part
 
 std::string Ballooning::found(const SimulationParts& parts) const {
   for (std::size_t i = 0; i < at_rest_.size(); ++i) {
-    const bool held_pressure = parts.actuators[i]->limits().unit == "Pa" && at_rest_[i].volume_m3;
-    if (!held_pressure || *at_rest_[i].volume_m3 <= 0.0) continue;
+    if (!under_held_pressure(*parts.actuators[i], at_rest_[i])) continue;
     const double now_m3 = *parts.reading_of(i).volume_m3, times = now_m3 / *at_rest_[i].initial_volume_m3;
     if (times < kGrown || now_m3 < kGrownNow * *at_rest_[i].volume_m3) continue;
     return text_of(at_rest_[i], at_rest_[i].gauge_pressure_pa.value_or(0.0), times);
@@ -61,7 +64,7 @@ int Ballooning::next_to_grow(const SimulationParts& parts) const {
   double most = 0.0;
   for (std::size_t i = 0; i < at_rest_.size(); ++i) {
     const ActuatorReading& chamber = at_rest_[i];
-    const bool rises = parts.actuators[i]->limits().unit == "Pa" && chamber.volume_m3 && *chamber.volume_m3 > 0.0 &&
+    const bool rises = under_held_pressure(*parts.actuators[i], chamber) &&
                        parts.state.drives[i].actuated_command > chamber.gauge_pressure_pa.value_or(0.0);
     if (!rises) continue;
     const double times = *chamber.volume_m3 / *chamber.initial_volume_m3;

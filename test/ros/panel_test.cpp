@@ -94,6 +94,17 @@ class Panel : public testing::Test {
 };
 std::unique_ptr<HiddenRviz> Panel::rviz_;
 
+// For the tip.
+OptimisePolicy::Request endless_search(const Eigen::Vector3d& target_m) {
+  OptimisePolicy::Request request;
+  request.method = "cma_es";
+  request.marker = "tip";
+  request.target = to_message(target_m);
+  request.max_iterations = 100000;
+  request.tolerance_m = 1e-9;
+  return request;
+}
+
 TEST_F(Panel, MovesTheRobotByASliderAndBack) {
   ASSERT_TRUE(press_until("alt+1 Next", [&] { return commands_[0] < 0.95; }));
   EXPECT_EQ(commands_[1], 1.0);
@@ -425,12 +436,7 @@ TEST_F(Panel, ShowsTheTargetThatIsChosen) {
 }
 
 TEST_F(Panel, ShowsTheTargetOfASearchThatFindsNothing) {
-  OptimisePolicy::Request endless;
-  endless.method = "cma_es";
-  endless.marker = "tip";
-  endless.target = to_message(Eigen::Vector3d(0.0123, 0.0, -0.095));
-  endless.max_iterations = 100000;
-  endless.tolerance_m = 1e-9;
+  const OptimisePolicy::Request endless = endless_search({0.0123, 0.0, -0.095});
   auto answer =
       std::async(std::launch::async, [&] { return ask<OptimisePolicy>(node_, topics::optimise_policy, endless); });
   const auto ball_m = [&] {
@@ -534,12 +540,7 @@ TEST_F(Panel, MovesTheRobotWhileItSearches) {
         gaps_s.push_back(std::stod(m->status[0].values[0].value));
         works_s.push_back(std::stod(m->status[0].values[1].value));
       }));
-  OptimisePolicy::Request endless;
-  endless.method = "cma_es";
-  endless.marker = "tip";
-  endless.target = to_message(Eigen::Vector3d(0.02, 0.0, -0.095));
-  endless.max_iterations = 100000;
-  endless.tolerance_m = 1e-9;
+  const OptimisePolicy::Request endless = endless_search({0.02, 0.0, -0.095});
   auto answer =
       std::async(std::launch::async, [&] { return ask<OptimisePolicy>(node_, topics::optimise_policy, endless); });
   EXPECT_TRUE(press_until("alt+1 Next", [&] { return commands_[0] < 0.95; }));

@@ -32,7 +32,7 @@ int expect_right(const std::vector<int>& seeds, const Draw& draw = draw_scene) {
   const DrawnSettings settings = read_drawn_settings(YamlNode::load_file(file).child("drawn"));
   int within = 0;
   for (const int seed : seeds) {
-    const DrawnScene scene = draw(static_cast<std::uint64_t>(seed), settings.motion_s);
+    const DrawnMotion scene = [&](double motion_s) { return draw(static_cast<std::uint64_t>(seed), motion_s); };
     bool all_within = true;
     for (const JudgedScene& judged : judge_drawn_scene(scene, settings, context)) {
       EXPECT_TRUE(judged.right(settings.within_m))

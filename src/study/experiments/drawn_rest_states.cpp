@@ -112,8 +112,20 @@ JudgedScene compare(const Rest& rest, const SlowEnd& slow, const DrawnSettings& 
   // Contact that trembles by less than what is asked for is no matter.
   if (!slow.still && judged.apart_m > settings.within_m) judged.failed = "in time: not at rest yet";
   judged.moved_m = largest_way_m(*slow.simulation, slow.simulation->body().mesh().nodes_m);
+  judged.motion_s = settings.motion_s;
   judged.rest_after_s = slow.simulation->state().time_s;
   return judged;
+}
+
+std::vector<DrawnSettings> slower_ways(const DrawnSettings& settings) {
+  DrawnSettings way = settings;
+  way.time_step_s /= kFiner;
+  std::vector<DrawnSettings> ways{way};
+  for (const double motion_s : settings.slower_motions_s) {
+    way.motion_s = motion_s;
+    ways.push_back(way);
+  }
+  return ways;
 }
 
 }  // namespace
@@ -127,6 +139,8 @@ DrawnSettings read_drawn_settings(const YamlNode& node) {
   for (const YamlNode& robot : node.sequence("robots")) settings.robots.push_back(robot.as_text());
   for (const YamlNode& method : node.sequence("methods")) settings.methods.push_back(method.as_text());
   settings.motion_s = node.number("motion_s", AllowedRange::positive());
+  for (const YamlNode& slower : node.sequence("slower_motions_s"))
+    settings.slower_motions_s.push_back(slower.as_number(AllowedRange::positive()));
   settings.time_step_s = node.number("time_step_s", AllowedRange::positive());
   settings.rayleigh_mass_per_s = node.number("rayleigh_mass_per_s", AllowedRange::not_negative());
   settings.within_m = node.number("within_m", AllowedRange::positive());
@@ -136,23 +150,24 @@ DrawnSettings read_drawn_settings(const YamlNode& node) {
   return settings;
 }
 
-std::vector<JudgedScene> judge_drawn_scene(const DrawnScene& scene, const DrawnSettings& settings,
+std::vector<JudgedScene> judge_drawn_scene(const DrawnMotion& draw, const DrawnSettings& settings,
                                            const ExperimentContext& context) {
+  const DrawnScene first = draw(settings.motion_s);
   std::vector<Rest> rests;
-  for (const std::string& method : settings.methods) rests.push_back(find_rest(scene, method, context));
-  const SlowEnd slow = go_slowly(scene, settings, context);
+  for (const std::string& method : settings.methods) rests.push_back(find_rest(first, method, context));
   std::vector<JudgedScene> all;
+  const SlowEnd slow = go_slowly(first, settings, context);
   for (const Rest& rest : rests) all.push_back(compare(rest, slow, settings));
   const auto doubtful = [&](std::size_t i) {
     return rests[i].judged.failed.empty() && !all[i].right(settings.within_m);
   };
-  SlowEnd slower;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!doubtful(i)) continue;
-    DrawnSettings finer = settings;
-    finer.time_step_s /= kFiner;
-    if (!slower.simulation) slower = go_slowly(scene, finer, context);
-    all[i] = compare(rests[i], slower, settings);
+  for (const DrawnSettings& slower : slower_ways(settings)) {
+    std::vector<std::size_t> doubts;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (doubtful(i)) doubts.push_back(i);
+    if (doubts.empty()) break;
+    const SlowEnd end = go_slowly(draw(slower.motion_s), slower, context);
+    for (const std::size_t i : doubts) all[i] = compare(rests[i], end, slower);
   }
   return all;
 }

@@ -12,6 +12,7 @@
 #include "drawn_robots.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "settings/cpu_time.h"
+#include "settings/words.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
@@ -148,12 +149,14 @@ Overrides solver_of(const RestMethod& method, std::size_t i) {
   return solver;
 }
 
-DrawnScene draw(int i, const DrawnSettings& settings, const ExperimentContext& context) {
-  const auto seed = [&](int first) { return settings.first_seed + static_cast<std::uint64_t>(i - first); };
-  if (i < settings.scenes) return draw_scene(seed(0), settings.motion_s);
+DrawnMotion drawn(int i, const DrawnSettings& settings, const ExperimentContext& context) {
   const int robots = settings.scenes + settings.joined_scenes;
-  if (i < robots) return draw_joined_scene(seed(settings.scenes), settings.motion_s);
-  return draw_robot_scene(seed(robots), settings.motion_s, settings.robots, context);
+  return [i, robots, &settings, &context](double motion_s) {
+    const auto seed = [&](int first) { return settings.first_seed + static_cast<std::uint64_t>(i - first); };
+    if (i < settings.scenes) return draw_scene(seed(0), motion_s);
+    if (i < robots) return draw_joined_scene(seed(settings.scenes), motion_s);
+    return draw_robot_scene(seed(robots), motion_s, settings.robots, context);
+  };
 }
 
 // Rows of those whose equilibrium says something or is not where time leads.
@@ -162,8 +165,8 @@ void judge_drawn_scenes(const DrawnSettings& settings, const ExperimentContext& 
   double worst_m = 0.0;
   const int scenes = settings.scenes + settings.joined_scenes + settings.robot_scenes;
   for (int i = 0; i < scenes; ++i) {
-    const DrawnScene scene = draw(i, settings, context);
-    context.report(0.5 + 0.5 * i / scenes, scene.name);
+    const DrawnMotion scene = drawn(i, settings, context);
+    context.report(0.5 + 0.5 * i / scenes, scene(settings.motion_s).name);
     for (const JudgedScene& judged : judge_drawn_scene(scene, settings, context)) {
       const bool apart = judged.apart_m > settings.within_m;
       ++judgements;
@@ -177,9 +180,10 @@ void judge_drawn_scenes(const DrawnSettings& settings, const ExperimentContext& 
             judged.name + ", " + judged.method + ": " + (judged.failed.empty() ? "apart" : judged.failed) + "; ";
       }
       if (apart || !judged.failed.empty() || !judged.said.empty())
-        result.table.rows.push_back({judged.name, judged.method + ", slowly", 1e3 * settings.time_step_s,
-                                     judged.rest_after_s, judged.cpu_s, 1e3 * judged.moved_m, 1e6 * judged.apart_m,
-                                     judged.failed.empty() ? judged.said : judged.failed});
+        result.table.rows.push_back(
+            {judged.name, judged.method + ", slowly, in " + format_number(judged.motion_s) + " s",
+             1e3 * settings.time_step_s, judged.rest_after_s, judged.cpu_s, 1e3 * judged.moved_m, 1e6 * judged.apart_m,
+             judged.failed.empty() ? judged.said : judged.failed});
     }
   }
   result.numbers["drawn_scenes"] = judgements;

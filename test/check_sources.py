@@ -14,6 +14,7 @@ import sys
 FOLDERS = ('src', 'include', 'test')
 SKIPPED = {os.path.join('test', 'data')}
 MEDIAN_LINES, MOST_LINES_OF_90_PERCENT, MOST_LINES = 10, 22, 60  # of functions, from signature to closing brace
+MOST_PATHS = 20  # cyclomatic complexity (McCabe 1976): decisions, and one
 MOST_HEADERS = 45  # for users and plugins; few are a promise that is kept
 
 # Names that had a better one in the field; the right ones stand in the glossary of src/README.md.
@@ -49,22 +50,37 @@ def contents(root, name):
         return file.read()
 
 
+DECISION = re.compile(r'\b(?:if|for|while|case|catch)\b|&&|\|\||\?')
+NO_CODE = re.compile(r'''//[^\n]*|/\*.*?\*/|R"\((?:.|\n)*?\)"|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])[']''', re.S)
+
+
 def functions(root):
-    """(lines, file, name) of each function that is defined."""
+    """(file, name, first line, last line) of each function that is defined."""
     sources = '\n'.join(files(root, FOLDERS, ('.h', '.cpp')))
     tags = subprocess.run(
         ['ctags-universal', '-L', '-', '--languages=C++', '--langmap=C++:.cpp.h', '--kinds-C++=f', '--fields=+ne', '--output-format=json', '-f', '-'],
         input=sources, capture_output=True, text=True, cwd=root, check=True).stdout
     found = [json.loads(line) for line in tags.splitlines()]
-    return [(tag['end'] - tag['line'] + 1, tag['path'], tag['name']) for tag in found if 'end' in tag]
+    return [(tag['path'], tag['name'], tag['line'], tag['end']) for tag in found if 'end' in tag]
+
+
+def too_many_paths(root, found):
+    code = {path: NO_CODE.sub(lambda gone: '\n' * gone.group().count('\n'), contents(root, path)).split('\n')
+            for path in {path for path, _, _, _ in found if path.startswith(('src', 'include'))}}
+    for path, name, first, last in found:
+        paths = 1 + len(DECISION.findall('\n'.join(code[path][first - 1:last]))) if path in code else 0
+        if paths > MOST_PATHS:
+            yield '%s: %s has a cyclomatic complexity of %d, at most %d' % (path, name, paths, MOST_PATHS)
 
 
 def check_functions(root):
     found = functions(root)
-    lines = sorted(length for length, _, _ in found)
+    lines = sorted(last - first + 1 for _, _, first, last in found)
     if not lines:
         return []
-    faults = ['%s: %s has %d lines, at most %d' % (path, name, length, MOST_LINES) for length, path, name in found if length > MOST_LINES]
+    faults = ['%s: %s has %d lines, at most %d' % (path, name, last - first + 1, MOST_LINES) for path, name, first, last in found
+              if last - first + 1 > MOST_LINES]
+    faults += too_many_paths(root, found)
     if statistics.median(lines) > MEDIAN_LINES:
         faults.append('functions: the median has %g lines, at most %d' % (statistics.median(lines), MEDIAN_LINES))
     of_90_percent = lines[(9 * len(lines) + 9) // 10 - 1]

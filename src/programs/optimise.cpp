@@ -224,43 +224,26 @@ int optimise_on_random_robots(const Arguments&, const SceneOptions&, const Polic
 }
 #endif
 
-int optimise_robot(Arguments& arguments) {
-  if (arguments.tolerance_m) arguments.options.tolerance_m = *arguments.tolerance_m;
-  arguments.options.validate();
-  if (arguments.replay.empty()) require_targets(arguments.task);
-  SceneOptions scene_options;
-  scene_options.actuator_factory = make_actuator;
-  scene_options.overrides = parameter_overrides(arguments.robot, arguments.set);
-  const Scene scene = load_with_bar("optimise", arguments.robot, scene_options);
-  if (arguments.robust.empty() && (arguments.quantile || !arguments.output.empty()))
-    throw std::invalid_argument("--quantile and --output belong to --robust");
-  for (const std::string& warning : far_targets(*scene.simulation, arguments.task))
-    std::cerr << "optimise: warning: " << warning << ": targets are in metres; are these numbers millimetres?\n";
-  heed_interrupts();
-  scene.simulation->set_interrupt(interrupted);
-  if (!arguments.robust.empty())
-    return optimise_on_random_robots(arguments, scene_options, complete(arguments, *scene.simulation));
-  if (!arguments.replay.empty()) return replay_policy(arguments, *scene.simulation);
-  const PolicyTask task = complete(arguments, *scene.simulation);
-  PolicyAnswer answer;
-  {
-    ProgressBar bar("optimise");
-    double first_m = 0.0;
-    answer = find_policy(
-        *scene.simulation, task, arguments.options,
-        [&](size_t pose, const auto&, const OptimisationProgress& now) {
-          first_m = now.iteration == 1 ? now.distance_m : first_m;
-          const double come = first_m > 0.0 ? 1.0 - now.distance_m / first_m : 1.0;
-          std::ostringstream text;
-          text.precision(3);
-          text << "pose " << pose + 1 << ", iteration " << now.iteration << ", " << 1e3 * now.distance_m << " mm";
-          bar.show(come, text.str());
-          return !interrupted();
-        },
-        scene.reduction ? &scene.reduction->choice : nullptr);
-  }
-  answer.policy.robot = name_of_robot(arguments.robot);
-  if (!arguments.tolerance_m) count_as_reached(answer);
+// With the scene's reduced model where it has one.
+PolicyAnswer find_with_bar(const Arguments& arguments, const Scene& scene, const PolicyTask& task) {
+  ProgressBar bar("optimise");
+  double first_m = 0.0;
+  return find_policy(
+      *scene.simulation, task, arguments.options,
+      [&](size_t pose, const auto&, const OptimisationProgress& now) {
+        first_m = now.iteration == 1 ? now.distance_m : first_m;
+        const double come = first_m > 0.0 ? 1.0 - now.distance_m / first_m : 1.0;
+        std::ostringstream text;
+        text.precision(3);
+        text << "pose " << pose + 1 << ", iteration " << now.iteration << ", " << 1e3 * now.distance_m << " mm";
+        bar.show(come, text.str());
+        return !interrupted();
+      },
+      scene.reduction ? &scene.reduction->choice : nullptr);
+}
+
+// Prints each pose too.
+nlohmann::ordered_json show_answer(const PolicyAnswer& answer, const PolicyTask& task) {
   nlohmann::ordered_json result;
   for (size_t i = 0; i < answer.summaries.size(); ++i) {
     print(answer.summaries[i], task.poses[i]);
@@ -274,6 +257,36 @@ int optimise_robot(Arguments& arguments) {
   result["policy"]["names"] = answer.policy.names;
   for (const TimedCommandValues& step : answer.policy.steps)
     result["policy"]["steps"].push_back({{"time_s", step.time_s}, {"values", step.values}});
+  return result;
+}
+
+Scene load_to_optimise(const Arguments& arguments, const SceneOptions& scene_options) {
+  Scene scene = load_with_bar("optimise", arguments.robot, scene_options);
+  if (arguments.robust.empty() && (arguments.quantile || !arguments.output.empty()))
+    throw std::invalid_argument("--quantile and --output belong to --robust");
+  for (const std::string& warning : far_targets(*scene.simulation, arguments.task))
+    std::cerr << "optimise: warning: " << warning << ": targets are in metres; are these numbers millimetres?\n";
+  heed_interrupts();
+  scene.simulation->set_interrupt(interrupted);
+  return scene;
+}
+
+int optimise_robot(Arguments& arguments) {
+  if (arguments.tolerance_m) arguments.options.tolerance_m = *arguments.tolerance_m;
+  arguments.options.validate();
+  if (arguments.replay.empty()) require_targets(arguments.task);
+  SceneOptions scene_options;
+  scene_options.actuator_factory = make_actuator;
+  scene_options.overrides = parameter_overrides(arguments.robot, arguments.set);
+  const Scene scene = load_to_optimise(arguments, scene_options);
+  if (!arguments.robust.empty())
+    return optimise_on_random_robots(arguments, scene_options, complete(arguments, *scene.simulation));
+  if (!arguments.replay.empty()) return replay_policy(arguments, *scene.simulation);
+  const PolicyTask task = complete(arguments, *scene.simulation);
+  PolicyAnswer answer = find_with_bar(arguments, scene, task);
+  answer.policy.robot = name_of_robot(arguments.robot);
+  if (!arguments.tolerance_m) count_as_reached(answer);
+  const nlohmann::ordered_json result = show_answer(answer, task);
   if (!arguments.result.empty()) write_file(arguments.result, result.dump(2) + "\n");
   if (!arguments.policy.empty() && !answer.policy.steps.empty())
     write_file(arguments.policy, policy_yaml(answer.policy));

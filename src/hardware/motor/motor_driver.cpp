@@ -110,21 +110,27 @@ void MotorDriver::on(const RequestAnswered& event) {
   if (configuring && event.result == wire::result_moving) return;  // motors still slow down: once more
   const Step step = steps_[0];
   steps_.pop_front();
-  if (configuring && !done) {
-    link_failure_ = "the board refused its configuration: " + words(event.result);
-    steps_.clear();
-  } else if (configuring && (steps_.empty() || steps_[0].kind != wire::kind_configure_motor)) {
-    configured_ = true;
-    for (Motor& motor : motors_) motor.report.reset();  // of before
-  }
-  if (step.kind == wire::kind_zero && done) {
-    for (std::size_t i = 0; i < rig_.motors.size(); ++i) {
-      if ((step.payload[0] & 1U << i) != 0) motors_[i].spool_steps = 0.0;
-    }
-  }
+  if (configuring) end_configuring(event.result);
+  if (step.kind == wire::kind_zero && done) zero_spools(step.payload[0]);
   // An emergency stop since then has failed the operation, and holds.
   if (step.kind == wire::kind_clear && done && operation_ == OperationState::running) emergency_stopped_ = false;
   if (step.operation) finish(done, words(event.result));
+}
+
+// Of the board, or of one motor.
+void MotorDriver::end_configuring(wire::Result result) {
+  if (result != wire::result_done) {
+    link_failure_ = "the board refused its configuration: " + words(result);
+    steps_.clear();
+  } else if (steps_.empty() || steps_[0].kind != wire::kind_configure_motor) {
+    configured_ = true;
+    for (Motor& motor : motors_) motor.report.reset();  // of before
+  }
+}
+
+void MotorDriver::zero_spools(std::uint8_t motors) {
+  for (std::size_t i = 0; i < rig_.motors.size(); ++i)
+    if ((motors & 1U << i) != 0) motors_[i].spool_steps = 0.0;
 }
 
 // The motors move from now on, though the next report of it is still to come.

@@ -95,6 +95,8 @@ class MotorDriver {
   void send_next(double now_s);
   void send_targets(double now_s);
   void take_on_targets();
+  void end_configuring(wire::Result result);
+  void zero_spools(std::uint8_t motors);  // by bits
   std::int32_t microsteps(int motor, double steps) const;
   void finish(bool done, const std::string& why);
   void begin_operation(wire::Kind kind, std::uint8_t mask);

@@ -120,6 +120,63 @@ bool correct(const MultiplierProblem& problem, const Multipliers& at, bool all, 
   return corrections.apply();
 }
 
+// A problem with bounds, of which some multipliers are held and the others open.
+struct BoundedProblem {
+  const Eigen::MatrixXd& s;
+  const Eigen::VectorXd& b;
+  const std::vector<ConstraintLaw>& laws;
+  std::vector<char> held;
+  Eigen::VectorXd y;
+};
+
+std::vector<int> open_ones(const BoundedProblem& problem) {
+  std::vector<int> open;
+  for (int i = 0; i < static_cast<int>(problem.held.size()); ++i)
+    if (!problem.held[i]) open.push_back(i);
+  return open;
+}
+
+Eigen::VectorXd solve_open(const BoundedProblem& problem, const std::vector<int>& open) {
+  const int size = static_cast<int>(open.size()), count = static_cast<int>(problem.b.size());
+  Eigen::MatrixXd sub(size, size);
+  Eigen::VectorXd right(size);
+  for (int i = 0; i < size; ++i) {
+    right[i] = problem.b[open[i]];
+    for (int k = 0; k < count; ++k)
+      if (problem.held[k]) right[i] -= problem.s(open[i], k) * problem.y[k];
+    for (int j = 0; j < size; ++j) sub(i, j) = problem.s(open[i], open[j]);
+  }
+  return size > 0 ? Eigen::VectorXd(sub.ldlt().solve(right)) : right;
+}
+
+// Moves the open ones there, within their bounds; which went beyond by most, or -1.
+int worst_beyond(BoundedProblem& problem, const std::vector<int>& open, const Eigen::VectorXd& solved) {
+  int worst = -1;
+  double worst_by = 0.0;
+  for (int i = 0; i < static_cast<int>(open.size()); ++i) {
+    const ConstraintLaw& law = problem.laws[open[i]];
+    const double beyond = std::max(law.min_multiplier - solved[i], solved[i] - law.max_multiplier);
+    problem.y[open[i]] = std::clamp(solved[i], law.min_multiplier, law.max_multiplier);
+    if (beyond > worst_by) {
+      worst_by = beyond;
+      worst = open[i];
+    }
+  }
+  return worst;
+}
+
+// A held multiplier whose constraint would rather pull away from its bound, or -1.
+int held_in_vain(const BoundedProblem& problem) {
+  int found = -1;
+  for (int i = 0; i < static_cast<int>(problem.b.size()); ++i) {
+    const ConstraintLaw& law = problem.laws[i];
+    if (!problem.held[i] || law.prescribed()) continue;
+    const double pull = problem.b[i] - problem.s.row(i).dot(problem.y), small = 1e-12 * std::abs(problem.b[i]);
+    if (problem.y[i] <= law.min_multiplier ? pull > small : pull < -small) found = i;
+  }
+  return found;
+}
+
 }  // namespace
 
 // Solves S y = b with y between bounds, S positive definite: an active set that adds one constraint at a time (Nocedal
@@ -127,54 +184,23 @@ bool correct(const MultiplierProblem& problem, const Multipliers& at, bool all, 
 Eigen::VectorXd solve_bounded(const Eigen::MatrixXd& s, const Eigen::VectorXd& b,
                               const std::vector<ConstraintLaw>& laws) {
   const int count = static_cast<int>(b.size());
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(count);
-  std::vector<char> held(count, 0);
+  BoundedProblem problem{s, b, laws, std::vector<char>(count, 0), Eigen::VectorXd::Zero(count)};
   for (int i = 0; i < count; ++i) {
     if (!laws[i].prescribed()) continue;
-    held[i] = 1;
-    y[i] = laws[i].min_multiplier;
+    problem.held[i] = 1;
+    problem.y[i] = laws[i].min_multiplier;
   }
   for (int round = 0; round < 4 * count + 4; ++round) {
-    std::vector<int> open;
-    for (int i = 0; i < count; ++i)
-      if (!held[i]) open.push_back(i);
-    const int size = static_cast<int>(open.size());
-    Eigen::MatrixXd sub(size, size);
-    Eigen::VectorXd right(size);
-    for (int i = 0; i < size; ++i) {
-      right[i] = b[open[i]];
-      for (int k = 0; k < count; ++k)
-        if (held[k]) right[i] -= s(open[i], k) * y[k];
-      for (int j = 0; j < size; ++j) sub(i, j) = s(open[i], open[j]);
-    }
-    const Eigen::VectorXd solved = size > 0 ? Eigen::VectorXd(sub.ldlt().solve(right)) : right;
-    int worst = -1;
-    double worst_by = 0.0;
-    for (int i = 0; i < size; ++i) {
-      const ConstraintLaw& law = laws[open[i]];
-      const double beyond = std::max(law.min_multiplier - solved[i], solved[i] - law.max_multiplier);
-      y[open[i]] = std::clamp(solved[i], law.min_multiplier, law.max_multiplier);
-      if (beyond > worst_by) {
-        worst_by = beyond;
-        worst = open[i];
-      }
-    }
-    if (worst >= 0) {
-      held[worst] = 1;
+    const std::vector<int> open = open_ones(problem);
+    if (const int worst = worst_beyond(problem, open, solve_open(problem, open)); worst >= 0) {
+      problem.held[worst] = 1;
       continue;
     }
-    // A held multiplier whose constraint would rather pull away from its bound is let go.
-    int release = -1;
-    for (int i = 0; i < count; ++i) {
-      if (!held[i] || laws[i].prescribed()) continue;
-      const double pull = b[i] - s.row(i).dot(y);
-      const bool at_min = y[i] <= laws[i].min_multiplier;
-      if ((at_min && pull > 1e-12 * std::abs(b[i])) || (!at_min && pull < -1e-12 * std::abs(b[i]))) release = i;
-    }
+    const int release = held_in_vain(problem);
     if (release < 0) break;
-    held[release] = 0;
+    problem.held[release] = 0;
   }
-  return y;
+  return problem.y;
 }
 
 double violation(const ConstraintLaw& law, double y) {

@@ -317,47 +317,59 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
   // Little but friction holds a free obstacle: by the tangent of what slips it would go far past where it sticks.
   const Slip cautious = contact_.free().count() > 0 ? Slip::secant : Slip::tangent;
-  Slip slip = cautious;
-  bool convex = false, old_factor = may_reuse(task, here.relative_residual);
-  int secants = 0;
+  StepPolicy policy{cautious, cautious, may_reuse(task, here.relative_residual)};
   AndersonMixing mixing(constants::kOldFactorSteps);
   const bool may_keep_faces = task.inertia_per_s2 > 0.0 && contact_.skin().pair_count() > 0;
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
     if (may_keep_faces && report.iterations >= kFreeToChange) contact_.keep_faces(here.contact.touches);
     ++report.iterations;
-    if (old_factor && mixing.size() < constants::kOldFactorSteps && try_old_factor(task, state, here, mixing)) continue;
-    old_factor = false;
+    const bool try_old = policy.old_factor && mixing.size() < constants::kOldFactorSteps;
+    if (try_old && try_old_factor(task, state, here, mixing)) continue;
     mixing.clear();
-    Step step;
-    if (slip == Slip::secant && ++secants % constants::kSecants == 0) slip = Slip::stuck;
-    if (slip == Slip::stuck) convex = false;
-    const auto fresh_step = [&] {
-      if (!convex && slip == Slip::tangent && has_factor_at(state, task.inertia_per_s2, task.strain_target))
-        return find_step(state, here, step);
-      ++report.factorisations;
-      return linearise(state, task.inertia_per_s2, task.strain_target, convex, slip) && find_step(state, here, step);
-    };
-    const bool sticks = slip == Slip::stuck;
-    bool found = fresh_step();
-    if (!convex && (!found || step.slope > 0.0)) {
-      if (task.only_through_stable) return finish("the way leads through an unstable shape");
-      convex = true;
-      slip = cautious;
-      found = fresh_step();
-    }
-    if (convex) ++report.convexified;
-    if (!found) return finish("the stiffness matrix could not be factorised");
-    double length = 1.0;
-    const bool accepted = search_line(task, step, state, here, length);
-    if (length < 1.0) ++report.shortened;
-    if (!accepted && convex) return finish("no step lowers the energy");
-    convex = (!accepted && !sticks) || (convex && length < 1.0);
-    if (convex && task.only_through_stable) return finish("no step lowers the energy");
-    slip = convex || length < 1.0 ? cautious : Slip::tangent;
-    old_factor = accepted && may_reuse(task, here.relative_residual) && !convex && slip == Slip::tangent;
+    std::string why_not = take_fresh_step(task, policy, state, here, report);
+    if (!why_not.empty()) return finish(std::move(why_not));
   }
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
+}
+
+bool NewtonSolver::find_fresh_step(const NewtonTask& task, const StepPolicy& policy, const NewtonState& state,
+                                   const Evaluation& here, Step& step, NewtonReport& report) {
+  if (policy.plain() && has_factor_at(state, task.inertia_per_s2, task.strain_target))
+    return find_step(state, here, step);
+  ++report.factorisations;
+  return linearise(state, task.inertia_per_s2, task.strain_target, policy.convex, policy.slip) &&
+         find_step(state, here, step);
+}
+
+void NewtonSolver::StepPolicy::follow(bool accepted, bool stuck, bool shortened) {
+  convex = (!accepted && !stuck) || (convex && shortened);
+  slip = convex || shortened ? cautious : Slip::tangent;
+}
+
+std::string NewtonSolver::take_fresh_step(const NewtonTask& task, StepPolicy& policy, NewtonState& state,
+                                          Evaluation& here, NewtonReport& report) {
+  if (policy.slip == Slip::secant && ++policy.secants % constants::kSecants == 0) policy.slip = Slip::stuck;
+  const bool sticks = policy.slip == Slip::stuck;
+  if (sticks) policy.convex = false;
+  Step step;
+  bool found = find_fresh_step(task, policy, state, here, step, report);
+  if (!policy.convex && (!found || step.slope > 0.0)) {
+    if (task.only_through_stable) return "the way leads through an unstable shape";
+    policy.convex = true;
+    policy.slip = policy.cautious;
+    found = find_fresh_step(task, policy, state, here, step, report);
+  }
+  if (policy.convex) ++report.convexified;
+  if (!found) return "the stiffness matrix could not be factorised";
+  double length = 1.0;
+  const bool accepted = search_line(task, step, state, here, length);
+  if (length < 1.0) ++report.shortened;
+  if (!accepted && policy.convex) return "no step lowers the energy";
+  policy.follow(accepted, sticks, length < 1.0);
+  if (policy.convex && task.only_through_stable) return "no step lowers the energy";
+  policy.old_factor = accepted && policy.plain() && may_reuse(task, here.relative_residual);
+  return "";
 }
 
 double NewtonSolver::rest_residual(const NewtonState& state) const {

@@ -250,6 +250,21 @@ class NewtonSolver {
   enum class Slip { tangent, secant, held, stuck };
   bool linearise(const NewtonState& state, double inertia_per_s2,
                  const std::shared_ptr<const StrainTarget>& strain_target, bool convex, Slip slip = Slip::tangent);
+  // How solve() finds its next step.
+  struct StepPolicy {
+    Slip cautious, slip;
+    bool old_factor;
+    bool convex = false;
+    int secants = 0;
+
+    bool plain() const { return !convex && slip == Slip::tangent; }
+    void follow(bool accepted, bool stuck, bool shortened);  // a step
+  };
+  bool find_fresh_step(const NewtonTask& task, const StepPolicy& policy, const NewtonState& state,
+                       const Evaluation& here, Step& step, NewtonReport& report);
+  // Why there is none, or nothing.
+  std::string take_fresh_step(const NewtonTask& task, StepPolicy& policy, NewtonState& state, Evaluation& here,
+                              NewtonReport& report);
   bool linearise_held(const NewtonState& state);  // at rest, where all that is at the limit of friction sticks
   MultiplierProblem problem_at(const NewtonState& state, const Eigen::MatrixXd& border_solved) const;
   NewtonResponse respond_held(const NewtonState& state, const NewtonDrive& drive) const;  // by that matrix

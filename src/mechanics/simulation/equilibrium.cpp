@@ -76,6 +76,7 @@ class Walk {
   bool lose_stability(double share);
   bool balloons_before(double share);
   bool go_on_from(double share, RestFound found, double& stage);
+  bool go_on_under_loads(double share);  // that come slowly
   void advance_to(double share, Eigen::Matrix3Xd&& from_m);
 
   SimulationParts& parts_;
@@ -235,19 +236,21 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
     return true;
   }
   stage = 1.0;
-  if (path_.loads_come_slowly()) {
-    // Pressed skin, or one that rubs: no stability is lost.
-    const bool stiff = (path_.something_moves() || longest_ < 1.0) && !softest_way().unstable;
-    if (stiff && fall_to(share)) return true;
-    const double ahead = path_.stage_end(done_, std::min(1.0, done_ + kFallAhead));
-    return lose_stability(ahead) || fall_to(ahead);
-  }
+  if (path_.loads_come_slowly()) return go_on_under_loads(share);
   if (found == RestFound::saddle && !held_by_friction_alone(parts_)) return lose_stability(share) || fall_to(share);
   // With all that is left a body that is pressed might fold, or slip off what presses it.
   const double end = path_.stage_end(done_, 1.0);
   const bool pressed = parts_.body.touches_itself() || path_.something_moves();
   if (pressed && path_.changes_in_stages() && fall_to(share)) return true;
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
+}
+
+bool Walk::go_on_under_loads(double share) {
+  // Pressed skin, or one that rubs: no stability is lost.
+  const bool stiff = (path_.something_moves() || longest_ < 1.0) && !softest_way().unstable;
+  if (stiff && fall_to(share)) return true;
+  const double ahead = path_.stage_end(done_, std::min(1.0, done_ + kFallAhead));
+  return lose_stability(ahead) || fall_to(ahead);
 }
 
 // From the start once more, where that can be slower.

@@ -106,6 +106,9 @@ class Actuator {
   // Where constraints of this actuator meet; as valid as they.
   virtual std::vector<const FrictionContact*> friction_contacts() const { return {}; }
 
+  // Energies that follow the command beside or in place of constraints; as valid as they. For solver.method newton.
+  virtual std::vector<const EnergyTerm*> energy_terms() const { return {}; }
+
   // What depends on the past, such as a pump's flow or a damper's rate, takes it from the state that a time step starts
   // from, and writes it into the memory. A step that is cut begins anew with each part; several may begin before one is
   // accepted.

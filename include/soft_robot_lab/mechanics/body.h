@@ -45,6 +45,22 @@ struct AppliedLoad {
   double mass_kg = 0.0;                               // of what hangs there, with its weight beside the force
 };
 
+// Threads of one kind in the silicone, that neither bend nor slip and weigh nothing.
+struct Fibre {
+  std::string name;
+  std::vector<std::vector<Eigen::Vector3d>> lines_m;  // through corners, in the rest shape
+  double axial_stiffness_n = 0.0;                     // E A of each: its tension at a strain of 1
+  bool only_tension = true;                           // in silicone a thin thread that is pushed buckles
+};
+
+// A fibre's threads in one element that go much the same way. They have one mean stretch, the sum of their chords over
+// that at rest, as one of each would lock where they are many.
+struct FibreGroup {
+  int fibre = 0, tet = 0;
+  Eigen::MatrixXd weights;  // the element's nodes x chords: a chord is nodes * weights
+  double rest_length_m = 0.0;
+};
+
 // Dead loads are per undeformed area or volume and keep their direction. Frame: robot_base; SI units.
 class Body {
  public:
@@ -84,6 +100,11 @@ class Body {
   // Throws std::invalid_argument for vertex_averaged on a quadratic mesh, or with several materials.
   void set_linear_volume(LinearVolume volume);
 
+  // Its threads go with the elements that they lie in; what lies outside by less than a tenth of an element with the
+  // nearest one. Throws std::invalid_argument: linear elements, a stiffness that is not above 0, a line of one point,
+  // too many pieces, and a line that leaves the body, with the place.
+  void add_fibre(Fibre fibre);
+
   void set_viscosity(const Viscosity& viscosity);  // throws std::invalid_argument: Viscosity::validate
 
   // What the skin touches, where each stands at the start of its motion. Throws std::invalid_argument for a shape or
@@ -102,6 +123,8 @@ class Body {
   const Material& material() const { return material_; }
   const Material& material_of(int element) const { return of_regions_[mesh_.region_of(element)]; }
   bool one_material() const;  // whether all elements are alike
+  const std::vector<Fibre>& fibres() const { return fibres_; }
+  const std::vector<FibreGroup>& fibre_groups() const { return fibre_groups_; }
   const Viscosity& viscosity() const { return viscosity_; }
   LinearVolume linear_volume() const { return linear_volume_; }
   const FixedAxes& fixed() const { return fixed_; }
@@ -134,6 +157,8 @@ class Body {
   double size_m_ = 0.0;
   std::vector<Material> of_regions_;
   Material material_;
+  std::vector<Fibre> fibres_;
+  std::vector<FibreGroup> fibre_groups_;
   Viscosity viscosity_;
   LinearVolume linear_volume_ = LinearVolume::element;
   std::vector<int> body_of_node_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The one interface through which anything pulls, pushes or fills the body: a compliant scalar constraint.
+// The two interfaces through which anything pulls, pushes or fills the body: a compliant scalar constraint, and a
+// further energy.
 #pragma once
 
 #include <limits>
@@ -80,6 +81,30 @@ class FrictionContact {
   virtual void add_log_ratio_gradient(const Eigen::Matrix3Xd& positions_m, double scale,
                                       Eigen::Matrix3Xd& gradient) const = 0;
   int first = 0, second = 1;  // in the order of the actuator's constraints
+};
+
+// A further energy E(x) of the node positions (3 x nodes, [m]), such as that of a magnet in a field. It never changes;
+// what it follows besides the positions is `drive`, as for a constraint. E is smooth, or its gradient at least
+// continuous, and finite for all positions.
+class EnergyTerm {
+ public:
+  virtual ~EnergyTerm() = default;
+
+  // The second derivative couples only nodes that share a clique; the nodes of one clique are distinct. Those of one
+  // element cost nothing more; empty for an energy that is linear in the positions.
+  virtual std::vector<Clique> cliques() const = 0;
+
+  // E [J]; adds dE/dx [N] to a 3 x nodes matrix.
+  virtual double add_gradient(const Eigen::Matrix3Xd& positions_m, const DriveState& drive,
+                              Eigen::Matrix3Xd& gradient_n) const = 0;
+
+  // Adds d2E/dx2; `convex`: a symmetric matrix near it without negative eigenvalues.
+  virtual void add_hessian(const Eigen::Matrix3Xd& positions_m, const DriveState& drive, bool convex,
+                           CliqueSink& hessian) const = 0;
+
+  // Adds d2E/(dx dc), c the actuated command [N per unit of the command]; nothing where E does not depend on it.
+  virtual void add_command_gradient(const Eigen::Matrix3Xd& /*positions_m*/, const DriveState& /*drive*/,
+                                    Eigen::Matrix3Xd& /*gradient*/) const {}
 };
 
 }  // namespace soft_robot_lab

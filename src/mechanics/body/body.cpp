@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fibre_groups.h"
 #include "gap.h"
 #include "overlap.h"
 #include "settings/point_text.h"
@@ -218,6 +219,12 @@ void Body::set_linear_volume(LinearVolume volume) {
 
 bool Body::one_material() const {
   return std::all_of(of_regions_.begin(), of_regions_.end(), [&](const Material& other) { return other == material_; });
+}
+
+void Body::add_fibre(Fibre fibre) {
+  const std::vector<FibreGroup> groups = soft_robot_lab::fibre_groups(mesh_, fibre, static_cast<int>(fibres_.size()));
+  fibre_groups_.insert(fibre_groups_.end(), groups.begin(), groups.end());
+  fibres_.push_back(std::move(fibre));
 }
 
 void Body::set_viscosity(const Viscosity& viscosity) {

@@ -99,10 +99,11 @@ NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eig
   EnergyAt at;
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
   at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
+  at.energy = terms_.add_gradient(positions_m, drives, at.gradient_n);
   at.gradient_n -= loads_n_;
   if (task.strain_target && task.strain_target->volume_ratio > 0.0)
     at.elements.volumetric_strain -= task.strain_target->free_volume();
-  at.energy = at.elements.elastic_energy - loads_n_.cwiseProduct(positions_m).sum() + volumetric_energy_j(at.elements);
+  at.energy += at.elements.elastic_energy - loads_n_.cwiseProduct(positions_m).sum() + volumetric_energy_j(at.elements);
   if (task.inertia_per_s2 > 0.0) {
     const Eigen::Matrix3Xd lag = positions_m - *task.predicted_m;
     const Eigen::Matrix3Xd inertia = task.inertia_per_s2 * lag * body_.node_masses_kg().asDiagonal();
@@ -154,12 +155,14 @@ bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& st
     const Eigen::VectorXd cancelling = (elements_.mu_pa().array() * (1.0 - volumetric_strain.array())).matrix();
     elements_.add_hessian(state.positions_m, cancelling, true, matrix_);
     if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, true, matrix_);
+    terms_.add_hessian(state.positions_m, state.drives, true, matrix_);
   }
   if (convexity < 1.0) {
     const Eigen::VectorXd safe = values;
     matrix_.set_zero();
     elements_.add_hessian(state.positions_m, state.element_multipliers_pa, false, matrix_);
     if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, false, matrix_);
+    terms_.add_hessian(state.positions_m, state.drives, false, matrix_);
     values = (1.0 - convexity) * values + convexity * safe;
   }
   return add_rest_and_factorise(state, task.inertia_per_s2, convexity > 0.0);

@@ -35,11 +35,12 @@ int MatrixLayout::place_of(const EmbeddedPoint& point) {
   return node_count + point_count++;
 }
 
-std::vector<std::vector<int>> MatrixLayout::all_cliques(const Body& body) const {
+std::vector<std::vector<int>> MatrixLayout::all_cliques(const Body& body, const std::vector<Clique>& others) const {
   std::vector<std::vector<int>> all = ties;
   const auto of_elements = stiffness_cliques(body);
   all.insert(all.end(), of_elements.begin(), of_elements.end());
   for (const auto& of_constraint : cliques) all.insert(all.end(), of_constraint.begin(), of_constraint.end());
+  all.insert(all.end(), others.begin(), others.end());
   return all;
 }
 

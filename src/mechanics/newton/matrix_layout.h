@@ -15,8 +15,8 @@ namespace soft_robot_lab {
 struct MatrixLayout {
   MatrixLayout(const Body& body, const std::vector<DrivenConstraint>& constraints);
 
-  // Of the whole matrix: ties, elements and constraints.
-  std::vector<std::vector<int>> all_cliques(const Body& body) const;
+  // Of the whole matrix: ties, elements, constraints, and these others.
+  std::vector<std::vector<int>> all_cliques(const Body& body, const std::vector<Clique>& others) const;
 
   int node_count, point_count = 0;
   std::vector<std::vector<int>> ties;                 // per point: its nodes, then itself

@@ -21,6 +21,7 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
   if (strain_target) springs_.add_hessian(state.positions_m, *strain_target, convex, matrix_);
+  terms_.add_hessian(state.positions_m, state.drives, convex, matrix_);
   if (!soft_contact_) {
     ContactSums sums = contact_.sums(state.positions_m, state.contact);
     touches_ = std::move(sums.touches);
@@ -149,6 +150,7 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
          linearisation_->strain_target == strain_target && linearisation_->at->positions_m == state.positions_m &&
          linearisation_->at->element_multipliers_pa == state.element_multipliers_pa &&
          linearisation_->at->constraint_multipliers == state.constraint_multipliers &&
+         (term_count() == 0 || *linearisation_->at->drives == *state.drives) &&
          linearisation_->at->contact == state.contact && linearisation_->at->free_inertia == state.free_inertia;
 }
 

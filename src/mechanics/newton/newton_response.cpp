@@ -221,13 +221,15 @@ Eigen::Matrix3Xd NewtonSolver::reaction_forces_n(const NewtonState& state) const
   elements_.add_gradient(state.positions_m, state.element_multipliers_pa, force_n);
   for (int i = 0; i < constraint_count(); ++i)
     constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], force_n);
+  terms_.add_gradient(state.positions_m, state.drives, force_n);
   contact_.add_forces(contact_.sums(state.positions_m, state.contact), force_n);
   return body_.fixed().array().select(force_n.array(), 0.0).matrix();
 }
 
 double NewtonSolver::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const {
   const ElementSums sums = sums_at(positions_m);
-  return sums.elastic_energy + volumetric_energy_j(sums);
+  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
+  return terms_.add_stored_gradient(positions_m, unused) + sums.elastic_energy + volumetric_energy_j(sums);
 }
 
 Eigen::Matrix3Xd NewtonSolver::volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,
@@ -240,9 +242,11 @@ Eigen::Matrix3Xd NewtonSolver::volume_damping_n(const StrainTarget& damping, con
 NewtonForces NewtonSolver::forces(const NewtonState& state,
                                   const std::shared_ptr<const StrainTarget>& strain_target) const {
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
-  NewtonForces all{none, none, none, 0.0, 0.0, {}, {}, {}};
+  NewtonForces all{none, none, none, none, 0.0, 0.0, {}, {}, {}};
   const ElementSums sums = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
-  all.elastic_j = sums.elastic_energy + volumetric_energy_j(sums);
+  all.elastic_j =
+      terms_.add_stored_gradient(state.positions_m, all.elastic_n) + sums.elastic_energy + volumetric_energy_j(sums);
+  terms_.add_driven_gradient(state.positions_m, state.drives, all.driven_n);
   if (strain_target) {
     springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
     all.viscous_n += volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
@@ -279,8 +283,15 @@ StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<cons
       known ? end_.at.elements : elements_.add_gradient(state.positions_m, state.element_multipliers_pa, net_n);
   if (known && strain_target && strain_target->volume_ratio > 0.0)
     sums.volumetric_strain += strain_target->free_volume();
-  all.elastic_energy_j = sums.elastic_energy + volumetric_energy_j(sums);
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, way_m.cols());
+  Eigen::Matrix3Xd forces_n;
+  all.elastic_energy_j = sums.elastic_energy + volumetric_energy_j(sums);
+  if (!terms_.empty()) {
+    all.elastic_energy_j += terms_.add_stored_gradient(state.positions_m, forces_n = none);
+    if (!known) net_n += forces_n;  // their work is elastic
+    terms_.add_driven_gradient(state.positions_m, state.drives, forces_n = none);
+    all.driven_j = take(forces_n);
+  }
   if (strain_target) {
     all.viscous_n = none;
     springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
@@ -291,7 +302,6 @@ StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<cons
     all.viscous_j += of_volume_j;
     others_j += of_volume_j;
   }
-  Eigen::Matrix3Xd forces_n;
   if (!contact_.empty()) {
     const ContactSums touching = known ? end_.at.contact : contact_.sums(state.positions_m, state.contact);
     contact_.add_forces(touching, forces_n = none);
@@ -320,14 +330,23 @@ double NewtonSolver::slipped_j(const NewtonState& state) const {
 Eigen::VectorXd NewtonSolver::elastic_force_n(const NewtonState& state) const {
   Eigen::Matrix3Xd pressed_n = Eigen::Matrix3Xd::Zero(3, loads_n_.cols());
   contact_.add_forces(contact_.sums(state.positions_m, state.contact), pressed_n);
+  terms_.add_gradient(state.positions_m, state.drives, pressed_n);
   Eigen::Matrix3Xd force_n = loads_n_ - pressed_n;
   release(force_n);
   return as_vector(force_n) - border(state) * state.constraint_multipliers;
 }
 
 Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers) {
-  const int count = constraint_count();
-  NewtonDrive commands{{}, Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Zero(count, count), {}};
+  const int count = constraint_count(), columns = count + term_count();
+  NewtonDrive commands{{}, Eigen::MatrixXd::Zero(count, columns), Eigen::MatrixXd::Zero(count, columns), {}};
+  if (term_count() > 0) commands.forces_n = Eigen::MatrixXd::Zero(state.positions_m.size(), columns);
+  for (int i = 0; i < term_count(); ++i) {
+    const DrivenTerm& driven = terms_.driven()[static_cast<std::size_t>(i)];
+    Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
+    driven.term->add_command_gradient(state.positions_m, driven.drive(state.drives), gradient);
+    release(gradient);
+    commands.forces_n.col(count + i) = as_vector(gradient);
+  }
   for (int i = 0; i < count; ++i) {
     const ConstraintLaw law = law_at(state, i);
     commands.offsets(i, i) = law.offset_per_command;

@@ -58,6 +58,7 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
       body_(tables_->body),
       constraints_(tables_->constraints),
       shared_(tables_->shared),
+      terms_(tables_->terms),
       layout_(tables_->layout),
       pulled_n_(tables_->loads_n),
       loads_n_(tables_->loads_n),
@@ -95,7 +96,11 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   result.residual_n = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   result.elements = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, result.residual_n);
   double largest = std::max(force_floor_n_, std::max(result.residual_n.norm(), loads_n_.norm()));
-  result.smooth_energy = result.elements.elastic_energy - loads_n_.cwiseProduct(state.positions_m).sum();
+  if (!terms_.empty()) {
+    result.smooth_energy += terms_.add_gradient(state.positions_m, state.drives, result.residual_n);
+    largest = std::max(largest, result.residual_n.norm());
+  }
+  result.smooth_energy += result.elements.elastic_energy - loads_n_.cwiseProduct(state.positions_m).sum();
   if (task.inertia_per_s2 > 0.0) {
     const Eigen::Matrix3Xd lag = state.positions_m - *task.predicted_m;
     const Eigen::Matrix3Xd inertia = task.inertia_per_s2 * lag * body_.node_masses_kg().asDiagonal();

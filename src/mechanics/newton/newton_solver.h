@@ -88,8 +88,8 @@ struct SoftModes {
 
 // What acts on the nodes at a state, each as it stands in the residual: the gradient of an energy, 3 x nodes [N].
 struct NewtonForces {
-  Eigen::Matrix3Xd elastic_n, viscous_n, contact_n;
-  double elastic_j = 0.0;                 // energy
+  Eigen::Matrix3Xd elastic_n, viscous_n, contact_n, driven_n;  // the last: of actuators' energy terms
+  double elastic_j = 0.0;                                      // energy, with that of fibres
   double rubbed_j = 0.0;                  // that contact's friction takes where its anchors now follow
   std::vector<double> values;             // per constraint: C,
   std::vector<Eigen::Matrix3Xd> pulls_n;  // and y dC/dx
@@ -100,6 +100,7 @@ struct NewtonForces {
 struct StepWork {
   double elastic_energy_j = 0.0;
   double elastic_j = 0.0, viscous_j = 0.0, contact_j = 0.0;  // of the forces as they stand in the residual
+  double driven_j = 0.0;                                     // the same of actuators' energy terms
   double rubbed_j = 0.0;                                     // that contact's friction takes
   std::vector<double> values, pulls_j;                       // per constraint: C, and of y dC/dx
   Eigen::Matrix3Xd viscous_n;                                // empty where there is none
@@ -126,9 +127,10 @@ class NewtonSolver {
 
   int inverted_elements(const Eigen::Matrix3Xd& positions_m) const;
 
-  // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint; a constraint's command is that
-  // of its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
-  // `multipliers`, where given, becomes d multiplier / d command, constraints x constraints.
+  // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint, then one per driven energy
+  // term; the command of each is that of its actuator. Empty when the tangent is not positive definite, so that there
+  // is no stable equilibrium. `multipliers`, where given, becomes d multiplier / d command, constraints x the same
+  // columns.
   Eigen::MatrixXd sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers = nullptr);
 
   // The derivative of an equilibrium along anything else, by the implicit function theorem with the solver's own
@@ -195,6 +197,7 @@ class NewtonSolver {
   Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
   const StrainSprings& springs() const { return springs_; }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
+  int term_count() const { return tables_->term_count(); }
   int friction_contact_count() const { return static_cast<int>(shared_.size()); }
   const ContactTerm& contact() const { return contact_; }
 
@@ -354,6 +357,7 @@ class NewtonSolver {
   const Body& body_;  // these are the tables'
   const std::vector<DrivenConstraint>& constraints_;
   const std::vector<SharedLength>& shared_;
+  const EnergyTerms& terms_;
   const MatrixLayout& layout_;
   Eigen::Matrix3Xd pulled_n_;  // the tables' loads, and what pulls now,
   Eigen::Matrix3Xd loads_n_;   // with what add_loads() added

@@ -14,15 +14,17 @@ std::vector<Eigen::Index> held_by(const Body& body) {
 }  // namespace
 
 NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> constraints_in,
-                           std::vector<SharedLength> shared_in)
+                           std::vector<SharedLength> shared_in, std::vector<DrivenTerm> terms_in)
     : body(body_in),
       constraints(std::move(constraints_in)),
       shared(std::move(shared_in)),
+      terms(body, std::move(terms_in)),
       layout(body, constraints),
       loads_n(body.external_forces_n()),
       force_floor_n(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
       held(held_by(body)),
-      matrix(std::make_shared<const BlockPattern>(layout.node_count + layout.point_count, layout.all_cliques(body))),
+      matrix(std::make_shared<const BlockPattern>(layout.node_count + layout.point_count,
+                                                  layout.all_cliques(body, terms.cliques()))),
       factor(std::make_shared<const FactorPattern>(*matrix)),
       elements(std::make_shared<const ElementTables>(body, *matrix)),
       turns(body, elements->batches),
@@ -30,6 +32,7 @@ NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> co
       contact(body),
       faces(*matrix, contact.cliques()) {
   for (const auto& of_constraint : layout.cliques) cliques.emplace_back(*matrix, of_constraint);
+  terms.place_in(*matrix);
 }
 
 const StepWarp& NewtonTables::warp() const {

@@ -17,6 +17,7 @@
 #include "mechanics/state/driven_constraint.h"
 #include "mechanics/elements/elements.h"
 #include "mechanics/elements/node_turns.h"
+#include "energy_terms.h"
 #include "matrix_layout.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "step_warp.h"
@@ -25,9 +26,11 @@ namespace soft_robot_lab {
 
 struct NewtonTables {
   // Body and constraints outlive this.
-  NewtonTables(const Body& body, std::vector<DrivenConstraint> constraints, std::vector<SharedLength> shared = {});
+  NewtonTables(const Body& body, std::vector<DrivenConstraint> constraints, std::vector<SharedLength> shared = {},
+               std::vector<DrivenTerm> terms = {});
 
   int constraint_count() const { return static_cast<int>(constraints.size()); }
+  int term_count() const { return static_cast<int>(terms.driven().size()); }
   int friction_contact_count() const { return static_cast<int>(shared.size()); }
   int element_multiplier_count() const { return static_cast<int>(elements->rest_volumes_m3().size()); }
   const StepWarp& warp() const;  // made when it is first asked for: many a body never needs it
@@ -35,6 +38,7 @@ struct NewtonTables {
   const Body& body;
   std::vector<DrivenConstraint> constraints;
   std::vector<SharedLength> shared;
+  EnergyTerms terms;
   MatrixLayout layout;
   Eigen::Matrix3Xd loads_n;
   double force_floor_n;            // forces below this count as none

@@ -81,6 +81,7 @@ void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState&
     (gas_[i] ? ledger_.gas_j : ledger_.actuators_j) -= taken_j;
     rule_j += end.work.pulls_j[i] - taken_j;
   }
+  ledger_.actuators_j -= end.work.driven_j;
   const double capstans_j = parts.workspace.newton.slipped_j(state);
   ledger_.actuators_j += capstans_j;
   ledger_.friction_j += capstans_j + end.work.rubbed_j;

@@ -21,6 +21,8 @@ int index_of(const std::string& kind, const std::string& name, const Items& item
 }
 
 void refuse_beyond_xpbd(const Body& body) {
+  if (!body.fibres().empty())
+    throw std::invalid_argument("fibres are not for solver.method xpbd; choose method newton");
   if (body.linear_volume() == LinearVolume::vertex_averaged)
     throw std::invalid_argument(
         "body.linear_volume: vertex_averaged is not for solver.method xpbd, which corrects one element at a "
@@ -52,6 +54,11 @@ Model::Model(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::v
   names.clear();
   for (const Marker& marker : markers_) names.push_back(marker.name());
   refuse_equal_names("markers", names);
+  for (const auto& actuator : actuators_)
+    if (options_.method == SolverOptions::Method::xpbd && !actuator->energy_terms().empty())
+      throw std::invalid_argument(
+          "actuator '" + actuator->name() +
+          "' has an energy of its own, which is not for solver.method xpbd; choose method newton");
   tables_ = std::make_unique<const SolverTables>(body_, actuators_, options_.method);
 }
 

@@ -34,6 +34,16 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// Whose command each column of NewtonSolver::sensitivities follows.
+std::vector<std::size_t> actuator_of_columns(const SimulationParts& parts) {
+  std::vector<std::size_t> all;
+  for (std::size_t a = 0; a < parts.actuators.size(); ++a)
+    all.insert(all.end(), parts.actuators[a]->constraints().size(), a);
+  for (std::size_t a = 0; a < parts.actuators.size(); ++a)
+    all.insert(all.end(), parts.actuators[a]->energy_terms().size(), a);
+  return all;
+}
+
 // d tension / d command of the actuators, from d multiplier / d command of the constraints: a tension is linear in its
 // actuator's multipliers, and every constraint follows its actuator's command.
 Eigen::MatrixXd tension_changes(const SimulationParts& parts, const Eigen::MatrixXd& multipliers) {
@@ -42,6 +52,7 @@ Eigen::MatrixXd tension_changes(const SimulationParts& parts, const Eigen::Matri
   std::vector<Eigen::Index> first(parts.actuators.size() + 1, 0);
   for (std::size_t i = 0; i < parts.actuators.size(); ++i)
     first[i + 1] = first[i] + static_cast<Eigen::Index>(parts.actuators[i]->constraints().size());
+  const std::vector<std::size_t> followed = actuator_of_columns(parts);
   for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
     const auto tension_n = [&](const std::vector<double>& of) {
       return parts.actuators[i]->observe(parts.state.positions_m, of, parts.state.drives[i]).tension_n;
@@ -50,8 +61,8 @@ Eigen::MatrixXd tension_changes(const SimulationParts& parts, const Eigen::Matri
     if (!tension_n(here)) continue;
     for (std::size_t a = 0; a < parts.actuators.size(); ++a) {
       std::vector<double> there = here;
-      for (Eigen::Index column = first[a]; column < first[a + 1]; ++column)
-        for (std::size_t k = 0; k < there.size(); ++k)
+      for (Eigen::Index column = 0; column < multipliers.cols(); ++column)
+        for (std::size_t k = 0; k < there.size() && followed[static_cast<std::size_t>(column)] == a; ++k)
           there[k] += multipliers(first[i] + static_cast<Eigen::Index>(k), column);
       changes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(a)) = *tension_n(there) - *tension_n(here);
     }
@@ -130,23 +141,23 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
 
 Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
   SimulationParts& p = *parts_;
-  if (p.workspace.newton.constraint_count() > 0) require_rest(p);
+  const bool driven = p.workspace.newton.constraint_count() + p.workspace.newton.term_count() > 0;
+  if (driven) require_rest(p);
   Eigen::MatrixXd multipliers;
   const Eigen::MatrixXd motions = p.workspace.newton.sensitivities(p.unknowns_at_step(), &multipliers);
   take_along_linearisation();
-  if (motions.rows() == 0 && p.workspace.newton.constraint_count() > 0)
+  if (motions.rows() == 0 && driven)
     throw std::runtime_error("no sensitivity: the present state is not a stable equilibrium");
   if (tensions_n) *tensions_n = tension_changes(p, multipliers);
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(p.markers.size()),
                                                  static_cast<Eigen::Index>(p.actuators.size()));
-  Eigen::Index column = 0;
-  for (std::size_t a = 0; a < p.actuators.size(); ++a) {
-    for (std::size_t i = 0; i < p.actuators[a]->constraints().size(); ++i, ++column) {
-      const Eigen::Map<const Eigen::Matrix3Xd> motion(motions.col(column).data(), 3, p.state.positions_m.cols());
-      for (std::size_t m = 0; m < p.markers.size(); ++m)
-        result.block<3, 1>(3 * static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(a)) +=
-            p.markers[m].velocity(p.state.positions_m, motion);
-    }
+  const std::vector<std::size_t> followed = actuator_of_columns(p);
+  for (std::size_t column = 0; column < followed.size(); ++column) {
+    const Eigen::Map<const Eigen::Matrix3Xd> motion(motions.col(static_cast<Eigen::Index>(column)).data(), 3,
+                                                    p.state.positions_m.cols());
+    for (std::size_t m = 0; m < p.markers.size(); ++m)
+      result.block<3, 1>(3 * static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(followed[column])) +=
+          p.markers[m].velocity(p.state.positions_m, motion);
   }
   return result;
 }

@@ -226,7 +226,7 @@ bool knows_accelerations(SimulationParts& parts) {
   const NewtonSolver& newton = parts.workspace.newton;
   if (state.previous_step_s > 0.0 || newton.inverted_elements(state.positions_m) > 0) return false;
   const NewtonForces forces = newton.forces(parts.unknowns(), viscosity_now(parts.body, newton, state));
-  Eigen::Matrix3Xd net_n = newton.loads_n() - forces.elastic_n - forces.viscous_n - forces.contact_n;
+  Eigen::Matrix3Xd net_n = newton.loads_n() - forces.elastic_n - forces.viscous_n - forces.contact_n - forces.driven_n;
   for (const Eigen::Matrix3Xd& pull_n : forces.pulls_n) net_n -= pull_n;
   state.accelerations_m_s2 = net_n * parts.body.node_masses_kg().cwiseInverse().asDiagonal() -
                              parts.body.viscosity().rayleigh_mass_per_s * state.velocities_m_s;

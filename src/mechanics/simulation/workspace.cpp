@@ -25,10 +25,18 @@ std::vector<SharedLength> shared_lengths_of(const Actuators& actuators) {
   return all;
 }
 
+std::vector<DrivenTerm> terms_of(const Actuators& actuators) {
+  std::vector<DrivenTerm> all;
+  for (std::size_t i = 0; i < actuators.size(); ++i)
+    for (const EnergyTerm* term : actuators[i]->energy_terms()) all.push_back({term, static_cast<int>(i)});
+  return all;
+}
+
 }  // namespace
 
 SolverTables::SolverTables(const Body& body, const Actuators& actuators, SolverOptions::Method method)
-    : newton(std::make_shared<const NewtonTables>(body, constraints_of(actuators), shared_lengths_of(actuators))),
+    : newton(std::make_shared<const NewtonTables>(body, constraints_of(actuators), shared_lengths_of(actuators),
+                                                  terms_of(actuators))),
       air_spans(body, actuators),
       skin_overlap(body) {
   if (method == SolverOptions::Method::xpbd)

@@ -34,6 +34,14 @@ struct DrivenConstraint {
   }
 };
 
+// The same of a further energy.
+struct DrivenTerm {
+  const EnergyTerm* term;
+  int actuator;
+
+  const DriveState& drive(const SharedDrives& drives) const { return (*drives)[static_cast<std::size_t>(actuator)]; }
+};
+
 // A contact, and its constraints among all.
 struct SharedLength {
   const FrictionContact* contact;

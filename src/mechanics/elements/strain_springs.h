@@ -38,6 +38,7 @@ class StrainSprings {
   // References to what Elements has: its batches, and the matrix's slots per batch and pair of nodes.
   StrainSprings(const ElementBatches& batches, const std::vector<int>& slots) : batches_(batches), slots_(slots) {}
 
+  Eigen::Index strain_count() const { return static_cast<Eigen::Index>(batch_count()) * kLanes; }
   std::size_t batch_count() const { return static_cast<std::size_t>(batches_.count()) * batches_.point_count * 6; }
   Strains strains(const Eigen::Matrix3Xd& positions_m) const;
 

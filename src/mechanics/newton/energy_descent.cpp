@@ -81,47 +81,38 @@ double raised(double convexity) {
 
 }  // namespace
 
-ElementSums NewtonSolver::sums_at(const Eigen::Matrix3Xd& positions_m) const {
-  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  return elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), unused);
-}
-
-double NewtonSolver::volumetric_energy_j(const ElementSums& sums) const {
-  return 0.5 * elements_.sum_of_squares(elements_.lambda_pa(), sums.volumetric_strain);
-}
-
-int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const { return sums_at(positions_m).inverted; }
-
 // The energy but for that of the constraints, and its gradient but for volume and constraints.
 NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m,
                                                const SharedDrives& drives, const ContactState& contact) const {
   if (interrupt_) interrupt_->check();
   EnergyAt at;
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
-  at.energy = terms_.add_gradient(positions_m, drives, at.gradient_n);
-  at.gradient_n -= loads_n_;
+  at.elements = energies_.elements.add_gradient(
+      positions_m, Eigen::VectorXd::Zero(energies_.elements.multiplier_count()), at.gradient_n);
+  at.energy = energies_.terms.add_gradient(positions_m, drives, at.gradient_n);
+  at.gradient_n -= energies_.loads.all_n();
   if (task.strain_target && task.strain_target->volume_ratio > 0.0)
     at.elements.volumetric_strain -= task.strain_target->free_volume();
-  at.energy += at.elements.elastic_energy - loads_n_.cwiseProduct(positions_m).sum() + volumetric_energy_j(at.elements);
+  at.energy += at.elements.elastic_energy - energies_.loads.all_n().cwiseProduct(positions_m).sum() +
+               energies_.volumetric_energy_j(at.elements);
   if (task.inertia_per_s2 > 0.0) {
     const Eigen::Matrix3Xd lag = positions_m - *task.predicted_m;
     const Eigen::Matrix3Xd inertia = task.inertia_per_s2 * lag * body_.node_masses_kg().asDiagonal();
     at.energy += 0.5 * inertia.cwiseProduct(lag).sum();
     at.gradient_n += inertia;
   }
-  if (task.strain_target) at.energy += springs_.add_gradient(positions_m, *task.strain_target, at.gradient_n);
+  if (task.strain_target) at.energy += energies_.springs.add_gradient(positions_m, *task.strain_target, at.gradient_n);
   for (const DrivenConstraint& constraint : constraints_) at.values.push_back(constraint.value(positions_m, drives));
   ContactSums sums;
   at.contact = contact;
-  at.energy += contact_.soft_energy(positions_m, contact.pressures_pa, at.contact, sums);
-  contact_.add_forces(sums, at.gradient_n);
+  at.energy += energies_.contact.soft_energy(positions_m, contact.pressures_pa, at.contact, sums);
+  energies_.contact.add_forces(sums, at.gradient_n);
   at.touches = std::move(sums.touches);
   return at;
 }
 
 double NewtonSolver::potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to) {
-  const DampedBulk damped(elements_, task.strain_target.get());
+  const DampedBulk damped(energies_.elements, task.strain_target.get());
   ContactState contact = from.contact;
   contact.free = to.contact.free;
   const EnergyAt start = energy_at(task, from.positions_m, from.drives, from.contact),
@@ -133,39 +124,13 @@ double NewtonSolver::potential_rise_j(const NewtonTask& task, const NewtonState&
   }
   const double tie = 1.0 / (constants::kTieStiffness * body_.material().youngs_modulus_pa * body_.size_m());
   double rise_j = end.energy - start.energy;
-  FreeColumns weights_n = FreeColumns::Zero(3, 2 * contact_.free().count());
-  rise_j += add_free_gradient(contact_.free(), to.contact.free, nullptr, weights_n) -
-            add_free_gradient(contact_.free(), from.contact.free, nullptr, weights_n);
+  FreeColumns weights_n = FreeColumns::Zero(3, 2 * energies_.contact.free().count());
+  rise_j += add_free_gradient(energies_.contact.free(), to.contact.free, nullptr, weights_n) -
+            add_free_gradient(energies_.contact.free(), from.contact.free, nullptr, weights_n);
   for (int i = 0; i < constraint_count(); ++i)
     rise_j += energy_between(constraints_[i], from.drives, tie, from.constraint_multipliers[i],
                              start.values[static_cast<std::size_t>(i)], reached[static_cast<std::size_t>(i)]);
   return rise_j;
-}
-
-// Blends the true matrix with one that is nearly always positive, which gives its elements the multiplier that cancels
-// most of their geometric stiffness. Beyond a convexity of 1: the positive one of linearise().
-bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& state,
-                                   const Eigen::VectorXd& volumetric_strain, double convexity) {
-  if (convexity > 1.0) return linearise(state, task.inertia_per_s2, task.strain_target, true);
-  forget_factor();
-  const auto size = static_cast<Eigen::Index>(9 * matrix_.rows().size());
-  Eigen::Map<Eigen::VectorXd> values(matrix_.block(0), size);
-  matrix_.set_zero();
-  if (convexity > 0.0) {
-    const Eigen::VectorXd cancelling = (elements_.mu_pa().array() * (1.0 - volumetric_strain.array())).matrix();
-    elements_.add_hessian(state.positions_m, cancelling, true, matrix_);
-    if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, true, matrix_);
-    terms_.add_hessian(state.positions_m, state.drives, true, matrix_);
-  }
-  if (convexity < 1.0) {
-    const Eigen::VectorXd safe = values;
-    matrix_.set_zero();
-    elements_.add_hessian(state.positions_m, state.element_multipliers_pa, false, matrix_);
-    if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, false, matrix_);
-    terms_.add_hessian(state.positions_m, state.drives, false, matrix_);
-    values = (1.0 - convexity) * values + convexity * safe;
-  }
-  return add_rest_and_factorise(state, task.inertia_per_s2, convexity > 0.0);
 }
 
 // A positive matrix with as little convexity as that takes, from a little less than the last one had.
@@ -175,8 +140,10 @@ bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState&
   for (convexity = lowered(convexity);; convexity = raised(convexity)) {
     ++report.factorisations;
     if (interrupt_) interrupt_->check();
-    const bool positive = linearise_blend(task, state, volumetric_strain, convexity) && factor().negative_pivots() == 0;
-    forget_factor();
+    const bool positive =
+        system_.linearise_blend(state, task.inertia_per_s2, task.strain_target, volumetric_strain, convexity) &&
+        system_.negative_pivots() == 0;
+    system_.forget_factor();
     if (positive || convexity > 1.0) return positive;
     ++report.convexified;
   }
@@ -185,36 +152,37 @@ bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState&
 // -(A + sum 1/a grad C grad C') ^ -1 gradient, the sum over the constraints that are off their bounds.
 Eigen::VectorXd NewtonSolver::downhill(const Eigen::Matrix3Xd& gradient_n, const Eigen::VectorXd& compliances,
                                        const std::vector<int>& open) const {
-  Eigen::VectorXd motion = solve(-as_vector(gradient_n));
+  Eigen::VectorXd motion = system_.solve(-as_vector(gradient_n));
   const auto count = static_cast<Eigen::Index>(open.size());
   if (count == 0) return motion;
   Eigen::MatrixXd schur(count, count);
   Eigen::VectorXd right(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    right[i] = border_.col(open[i]).dot(motion);
-    for (Eigen::Index j = 0; j < count; ++j) schur(i, j) = border_.col(open[i]).dot(border_solved_.col(open[j]));
+    right[i] = system_.border().columns.col(open[i]).dot(motion);
+    for (Eigen::Index j = 0; j < count; ++j)
+      schur(i, j) = system_.border().columns.col(open[i]).dot(system_.border().solved.col(open[j]));
     schur(i, i) += compliances[open[i]];
   }
   const Eigen::VectorXd forces = schur.partialPivLu().solve(right);
-  for (Eigen::Index i = 0; i < count; ++i) motion -= border_solved_.col(open[i]) * forces[i];
+  for (Eigen::Index i = 0; i < count; ++i) motion -= system_.border().solved.col(open[i]) * forces[i];
   return motion;
 }
 
 NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   NewtonReport report;
-  const SofterBulk softer(elements_, task.strain_target.get());
-  const SofterContact softer_contact(soft_contact_);
-  skin_in_border_ = false;
+  const SofterBulk softer(energies_.elements, task.strain_target.get());
+  const SofterContact softer_contact(energies_.soft_contact);
   const ContactState contact = state.contact;
-  const double no_slope = constants::kNoSlope * body_.material().lame_mu_pa() * elements_.rest_volumes_m3().sum();
+  const double volume_m3 = energies_.elements.rest_volumes_m3().sum();
+  const double no_slope = constants::kNoSlope * body_.material().lame_mu_pa() * volume_m3;
   const int count = constraint_count();
   Eigen::VectorXd ties;  // least compliances; known after the first factor, before which constraints have no say
   double convexity = 1.0;
   for (; report.iterations < constants::kDescentPatience * task.max_iterations; ++report.iterations) {
     const EnergyAt here = energy_at(task, state.positions_m, state.drives, contact);
     state.contact = here.contact;
-    touches_ = here.touches;
-    state.element_multipliers_pa = elements_.lambda_pa().cwiseProduct(here.elements.volumetric_strain);
+    system_.take_touches(here.touches);
+    state.element_multipliers_pa = energies_.elements.lambda_pa().cwiseProduct(here.elements.volumetric_strain);
     Eigen::VectorXd compliances = ties;
     std::vector<int> open;
     if (ties.size() == 0) state.constraint_multipliers.setZero();
@@ -227,21 +195,21 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     }
     if (!linearise_downhill(task, state, here.elements.volumetric_strain, convexity, report)) break;
     if (ties.size() == 0 && count > 0) {
-      ties = constants::kSoftTie * border_.cwiseProduct(border_solved_).colwise().sum().transpose();
+      ties = constants::kSoftTie *
+             system_.border().columns.cwiseProduct(system_.border().solved).colwise().sum().transpose();
       continue;
     }
-
     Eigen::Matrix3Xd gradient_n = here.gradient_n;
-    elements_.add_mismatch_forces(here.elements.volumetric_strain, gradient_n);
+    energies_.elements.add_mismatch_forces(here.elements.volumetric_strain, gradient_n);
     for (int i = 0; i < count; ++i)
       constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], gradient_n);
-    release(gradient_n);
+    tables_->release(gradient_n);
     const Eigen::VectorXd motion = downhill(gradient_n, compliances, open);
     const double slope = as_vector(gradient_n).dot(motion);
     if (!(slope < -no_slope)) break;
 
     const Eigen::Map<const Eigen::Matrix3Xd> way_m(motion.data(), 3, state.positions_m.cols());
-    double length = part_before_obstacles(body_, contact_, state.positions_m, way_m, state.contact);
+    double length = part_before_obstacles(body_, energies_.contact, state.positions_m, way_m, state.contact);
     bool fell = false;
     for (int halving = 0; halving <= constants::kDescentHalvings && !fell; ++halving) {
       if (halving > 0) length *= 0.5;

@@ -11,46 +11,49 @@ namespace soft_robot_lab {
 void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,
                                  Step& step) const {
   // Slope of the merit function; -slope = dx' A dx without its volumetric part, plus the penalties' decrease.
-  const Eigen::VectorXd c = elements_.mismatch(here.elements.volumetric_strain, step.element_multipliers_pa);
+  const Eigen::VectorXd c = energies_.elements.mismatch(here.elements.volumetric_strain, step.element_multipliers_pa);
   step.slope = as_vector(gradient_n).dot(as_vector(step.motion_m)) +
-               elements_.sum_of_squares(elements_.lambda_pa() - constants::kPenaltyOverMu * elements_.mu_pa(), c);
-  step.slope +=
-      (step.constraint_multipliers - state.constraint_multipliers).dot(border_.transpose() * as_vector(step.motion_m));
+               energies_.elements.sum_of_squares(
+                   energies_.elements.lambda_pa() - constants::kPenaltyOverMu * energies_.elements.mu_pa(), c);
+  step.slope += (step.constraint_multipliers - state.constraint_multipliers)
+                    .dot(system_.border().columns.transpose() * as_vector(step.motion_m));
   step.laws = after_flows(here.laws, here.friction_contacts, step.slips_m);
   for (int i = 0; i < constraint_count(); ++i) {
     step.slope -= step.penalties[i] * std::pow(violation(step.laws[i], step.constraint_multipliers[i]), 2);
     step.laws[i].offset -= here.values[i];
   }
-  step.slope += contact_.slope_change_j(step.contact_start, step.contact_pressures_pa, step.motion_m, step.free_motion);
-  if (free_border_.empty()) return;
+  step.slope +=
+      energies_.contact.slope_change_j(step.contact_start, step.contact_pressures_pa, step.motion_m, step.free_motion);
+  if (system_.free_border().empty()) return;
   step.slope += here.free_residual.cwiseProduct(step.free_motion).sum() +
-                contact_.rigid().slope_change_j(here.contact.rigid, step.rigid_forces_n, step.free_motion);
+                energies_.contact.rigid().slope_change_j(here.contact.rigid, step.rigid_forces_n, step.free_motion);
 }
 
 double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
   // Augmented Lagrangian at the step's multipliers: the mixed problem has no energy of its own to descend, and the
   // condensed energy would refuse every step that changes volume a little on the way.
   const Eigen::VectorXd& p = step.element_multipliers_pa;
-  const Eigen::VectorXd c = elements_.mismatch(at.elements.volumetric_strain, p);
+  const Eigen::VectorXd c = energies_.elements.mismatch(at.elements.volumetric_strain, p);
   double sum = at.smooth_energy;
-  sum += (p.cwiseProduct(c) + (0.5 * constants::kPenaltyOverMu * elements_.mu_pa()).cwiseProduct(c.cwiseAbs2()))
-             .dot(elements_.rest_volumes_m3());
+  sum +=
+      (p.cwiseProduct(c) + (0.5 * constants::kPenaltyOverMu * energies_.elements.mu_pa()).cwiseProduct(c.cwiseAbs2()))
+          .dot(energies_.elements.rest_volumes_m3());
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = step.constraint_multipliers[i];
     ConstraintLaw law = step.laws[i];
     law.offset += at.values[i];
     sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(law, y), 2);
   }
-  sum += contact_.merit_j(at.contact, step.contact_start, step.contact_pressures_pa);
-  if (!free_border_.empty())
-    sum += contact_.rigid().merit_j(at.contact.rigid, step.contact_start.rigid, step.rigid_forces_n);
+  sum += energies_.contact.merit_j(at.contact, step.contact_start, step.contact_pressures_pa);
+  if (!system_.free_border().empty())
+    sum += energies_.contact.rigid().merit_j(at.contact.rigid, step.contact_start.rigid, step.rigid_forces_n);
   return sum;
 }
 
 ContactState NewtonSolver::after(const NewtonState& state, const Step& step, double length) const {
   ContactState contact = state.contact;
   contact.pressures_pa += length * (step.contact_pressures_pa - contact.pressures_pa);
-  if (free_border_.empty()) return contact;
+  if (system_.free_border().empty()) return contact;
   contact.rigid_forces_n += length * (step.rigid_forces_n - contact.rigid_forces_n);
   contact.free = moved(contact.free, length * step.free_motion);
   return contact;
@@ -61,7 +64,7 @@ double NewtonSolver::first_length(const Step& step) const {
   double length = 1.0;
   for (Eigen::Index i = 0; i < step.free_motion.cols() / 2; ++i) {
     const double way_m = step.free_motion.col(2 * i).norm(), turn_rad = step.free_motion.col(2 * i + 1).norm();
-    length = std::min({length, contact_.free().size_m(static_cast<int>(i)) / std::max(way_m, 1e-300),
+    length = std::min({length, energies_.contact.free().size_m(static_cast<int>(i)) / std::max(way_m, 1e-300),
                        1.0 / std::max(turn_rad, 1e-300)});
   }
   return length;
@@ -70,12 +73,12 @@ double NewtonSolver::first_length(const Step& step) const {
 // Goes along the step as far as the merit function falls; false where it does not.
 bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                                double& length) const {
-  if (skin_in_border_) here.contact = step.contact_start;
+  if (system_.skin_in_border()) here.contact = step.contact_start;
   const double start = merit(here, step);
   const auto part_allowed = [&](const Eigen::Matrix3Xd& motion_m) {
-    return part_before_obstacles(body_, contact_, state.positions_m, motion_m, state.contact);
+    return part_before_obstacles(body_, energies_.contact, state.positions_m, motion_m, state.contact);
   };
-  length = std::min({first_length(step), contact_.skin().first_length(state.positions_m, step.motion_m),
+  length = std::min({first_length(step), energies_.contact.skin().first_length(state.positions_m, step.motion_m),
                      part_allowed(step.motion_m)});
   for (int halving = 0; halving <= constants::kLineSearchHalvings; ++halving, length *= 0.5) {
     NewtonState trial = state;

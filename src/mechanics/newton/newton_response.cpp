@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <iterator>
-#include <tuple>
 
 #include <Eigen/LU>
 
@@ -16,79 +15,9 @@ ConstraintLaw NewtonSolver::law_at(const NewtonState& state, int constraint) con
   return of.law(of.value(state.positions_m, state.drives), state.constraint_multipliers[constraint], state.drives);
 }
 
-NewtonSolver::ExactMotions NewtonSolver::exact_forces_n(const ExactMotions& motions) const {
-  const Eigen::Index rows = motions.motions_m.rows(), free_rows = motions.free.rows();
-  ExactMotions forces{Eigen::MatrixXd(rows, motions.motions_m.cols()), Eigen::MatrixXd(free_rows, motions.free.cols())};
-  Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, layout_.node_count + layout_.point_count);
-  for (Eigen::Index column = 0; column < motions.motions_m.cols(); ++column) {
-    all.leftCols(layout_.node_count) =
-        Eigen::Map<const Eigen::Matrix3Xd>(motions.motions_m.col(column).data(), 3, layout_.node_count);
-    for (int point = 0; point < layout_.point_count; ++point) {
-      const auto& [nodes, weights] = std::tie(layout_.ties[point], layout_.tie_coefficients[point]);
-      auto place = all.col(layout_.node_count + point);
-      place.setZero();
-      for (std::size_t k = 0; k + 1 < nodes.size(); ++k) place += weights[k] * all.col(nodes[k]);
-    }
-    const Eigen::Matrix3Xd pulls_n = whole_matrix().multiply(all);
-    Eigen::Matrix3Xd nodal_n = pulls_n.leftCols(layout_.node_count);
-    for (int point = 0; point < layout_.point_count; ++point)
-      for (std::size_t k = 0; k + 1 < layout_.ties[point].size(); ++k)
-        nodal_n.col(layout_.ties[point][k]) +=
-            layout_.tie_coefficients[point][k] * pulls_n.col(layout_.node_count + point);
-    FreeColumns free = FreeColumns::Zero(3, free_rows / 3);
-    contact_.add_turned_ties(touches_, rigid_touches_, all.leftCols(layout_.node_count),
-                             motions.free.col(column).reshaped(3, free_rows / 3), nodal_n, free);
-    release(nodal_n);
-    forces.motions_m.col(column) = as_vector(nodal_n);
-    forces.free.col(column) = free.reshaped();
-  }
-  return forces;
-}
-
-NewtonSolver::ExactMotions NewtonSolver::solve_exactly(const Eigen::MatrixXd& loads_n,
-                                                       const Eigen::MatrixXd& free_loads) const {
-  const bool free = !free_border_.empty();
-  Eigen::MatrixXd on_free = free_loads;
-  if (on_free.size() == 0) on_free.setZero(6 * (free ? contact_.free().count() : 0), loads_n.cols());
-  const auto solved = [&](const Eigen::MatrixXd& of_nodes, const Eigen::MatrixXd& of_free) {
-    ExactMotions motions{solve(of_nodes), of_free};
-    if (!free) return motions;
-    motions.motions_m += free_border_.nodal_motions(of_free);
-    motions.free = free_border_.motions(of_free, of_nodes);
-    return motions;
-  };
-  ExactMotions motions = solved(loads_n, on_free);
-  if (layout_.point_count == 0 && !contact_.any_turns(touches_, rigid_touches_)) return motions;
-  double left_before = loads_n.norm() + on_free.norm();
-  Eigen::MatrixXd free_sum = on_free;
-  for (int i = 0; i < constants::kRefinements; ++i) {
-    const ExactMotions forces = exact_forces_n(motions);
-    Eigen::MatrixXd left = loads_n - forces.motions_m;
-    if (free) left -= free_border_.nodal_forces(motions.free);
-    const Eigen::MatrixXd free_left = on_free - free_sum - forces.free;
-    const double norm = left.norm() + free_left.norm();
-    if (!(norm < left_before)) break;
-    left_before = norm;
-    const ExactMotions more = solved(left, free_left);
-    motions.motions_m += more.motions_m;
-    motions.free += more.free;
-    free_sum += free_left;
-  }
-  return motions;
-}
-
-bool NewtonSolver::linearise_held(const NewtonState& state) {
-  const ContactSums sums = contact_.sums(state.positions_m, state.contact);
-  const auto at_limit = [](const auto& touch) { return touch.at_limit(); };
-  if (std::none_of(sums.touches.begin(), sums.touches.end(), at_limit) &&
-      std::none_of(sums.rigid.begin(), sums.rigid.end(), at_limit))
-    return has_factor_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false);
-  return linearise(state, 0.0, nullptr, false, Slip::held);
-}
-
 MultiplierProblem NewtonSolver::problem_at(const NewtonState& state, const Eigen::MatrixXd& border_solved) const {
   MultiplierProblem problem;
-  problem.delassus = border_.transpose() * border_solved;
+  problem.delassus = system_.border().columns.transpose() * border_solved;
   problem.friction_contacts = junctions_at(state.positions_m);
   for (int i = 0; i < constraint_count(); ++i) problem.laws.push_back(law_at(state, i));
   for (int i = 0; i < constraint_count(); ++i) problem.delassus(i, i) += problem.laws[i].compliance;
@@ -102,16 +31,16 @@ NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const TouchesAtLi
     if (given.size() > 0) wide.leftCols(columns) = given;
     return wide;
   };
-  NewtonDrive wide{widened(drive.forces_n, 3 * layout_.node_count), widened(drive.offsets, constraint_count()),
+  NewtonDrive wide{widened(drive.forces_n, 3 * tables_->layout.node_count), widened(drive.offsets, constraint_count()),
                    widened(drive.multipliers, constraint_count()), widened(drive.log_ratios, friction_contact_count()),
-                   widened(drive.free_forces, 6 * contact_.free().count())};
-  Eigen::Matrix3Xd force_n(3, layout_.node_count);
-  FreeColumns free(3, 2 * contact_.free().count());
+                   widened(drive.free_forces, 6 * energies_.contact.free().count())};
+  Eigen::Matrix3Xd force_n(3, tables_->layout.node_count);
+  FreeColumns free(3, 2 * energies_.contact.free().count());
   for (Eigen::Index i = 0; i < slips; ++i) {
     force_n.setZero();
     free.setZero();
-    contact_.add_slip(at_limit, i, force_n, free);
-    release(force_n);
+    energies_.contact.add_slip(at_limit, i, force_n, free);
+    tables_->release(force_n);
     wide.forces_n.col(columns + i) = as_vector(force_n);
     wide.free_forces.col(columns + i) = free.reshaped();
   }
@@ -121,22 +50,23 @@ NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const TouchesAtLi
 // Sticking ties are in the matrix. A slip is a force that takes off what its traction has too much, and all slips
 // together are a linear complementarity problem.
 NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive& drive) {
-  if (!linearise_held(state)) return {};
-  contact_.skin().find_edges(state.positions_m, touches_);
+  if (!system_.linearise_held(state)) return {};
+  system_.find_edges(state.positions_m);
   TouchesAtLimit at_limit;
   const auto held = [](const auto& touch) { return touch.friction.held; };
-  std::copy_if(touches_.begin(), touches_.end(), std::back_inserter(at_limit.points), held);
-  std::copy_if(rigid_touches_.begin(), rigid_touches_.end(), std::back_inserter(at_limit.rigid), held);
+  std::copy_if(system_.touches().begin(), system_.touches().end(), std::back_inserter(at_limit.points), held);
+  std::copy_if(system_.rigid_touches().begin(), system_.rigid_touches().end(), std::back_inserter(at_limit.rigid),
+               held);
   if (at_limit.count() == 0) return respond_held(state, drive);
   NewtonResponse all = respond_held(state, with_slips(drive, at_limit));
   if (!all.stable) return {};
   const Eigen::Index columns = drive.offsets.cols(), slips = at_limit.count();
   Eigen::MatrixXd beyond_m(slips, columns + slips);
   for (Eigen::Index column = 0; column < beyond_m.cols(); ++column)
-    beyond_m.col(column) = contact_.beyond_limits_m(
-        at_limit, Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, layout_.node_count),
+    beyond_m.col(column) = energies_.contact.beyond_limits_m(
+        at_limit, Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, tables_->layout.node_count),
         all.free_motions.col(column).reshaped(3, all.free_motions.rows() / 3));
-  const Eigen::VectorXd pull_n = contact_.limits_n(at_limit);
+  const Eigen::VectorXd pull_n = energies_.contact.limits_n(at_limit);
   const Eigen::MatrixXd coupling = beyond_m.rightCols(slips);
   const Eigen::MatrixXd going_on = slips_of_all(coupling, beyond_m.leftCols(columns));
   Eigen::MatrixXd rates_m(slips, columns);
@@ -160,7 +90,7 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
 NewtonResponse NewtonSolver::respond_held(const NewtonState& state, const NewtonDrive& drive) const {
   const int count = constraint_count(), friction_contacts = friction_contact_count();
   const Eigen::VectorXd& y = state.constraint_multipliers;
-  const auto& [border_solved, border_free] = solve_exactly(border_);
+  const auto& [border_solved, border_free] = system_.solve_exactly(system_.border().columns);
   const MultiplierProblem problem = problem_at(state, border_solved);
   if (!stable_under(problem, y)) return {};
 
@@ -168,7 +98,7 @@ NewtonResponse NewtonSolver::respond_held(const NewtonState& state, const Newton
   NewtonResponse response;
   response.stable = true;
   if (forced) {
-    ExactMotions motions = solve_exactly(-drive.forces_n, -drive.free_forces);
+    LinearSystem::ExactMotions motions = system_.solve_exactly(-drive.forces_n, -drive.free_forces);
     response.motions_m = std::move(motions.motions_m);
     response.free_motions = std::move(motions.free);
   } else {
@@ -181,7 +111,7 @@ NewtonResponse NewtonSolver::respond_held(const NewtonState& state, const Newton
     if (active(problem.laws[i], y[i])) {
       matrix.row(i).head(count) = problem.delassus.row(i);
       right.row(i) = drive.offsets.row(i);
-      if (forced) right.row(i) += border_.col(i).transpose() * response.motions_m;
+      if (forced) right.row(i) += system_.border().columns.col(i).transpose() * response.motions_m;
     } else {  // dy is known, zero for a slack cable
       matrix(i, i) = 1.0;
       if (problem.laws[i].prescribed()) right.row(i) = drive.multipliers.row(i);
@@ -217,44 +147,32 @@ NewtonResponse NewtonSolver::respond_held(const NewtonState& state, const Newton
 }
 
 Eigen::Matrix3Xd NewtonSolver::reaction_forces_n(const NewtonState& state) const {
-  Eigen::Matrix3Xd force_n = -loads_n_;
-  elements_.add_gradient(state.positions_m, state.element_multipliers_pa, force_n);
+  Eigen::Matrix3Xd force_n = -energies_.loads.all_n();
+  energies_.elements.add_gradient(state.positions_m, state.element_multipliers_pa, force_n);
   for (int i = 0; i < constraint_count(); ++i)
     constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], force_n);
-  terms_.add_gradient(state.positions_m, state.drives, force_n);
-  contact_.add_forces(contact_.sums(state.positions_m, state.contact), force_n);
+  energies_.terms.add_gradient(state.positions_m, state.drives, force_n);
+  energies_.contact.add_forces(energies_.contact.sums(state.positions_m, state.contact), force_n);
   return body_.fixed().array().select(force_n.array(), 0.0).matrix();
-}
-
-double NewtonSolver::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const {
-  const ElementSums sums = sums_at(positions_m);
-  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  return terms_.add_stored_gradient(positions_m, unused) + sums.elastic_energy + volumetric_energy_j(sums);
-}
-
-Eigen::Matrix3Xd NewtonSolver::volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,
-                                                const Eigen::Matrix3Xd& positions_m) const {
-  if (damping.volume_ratio == 0.0) return Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  const Eigen::VectorXd beyond = volumetric_strain - damping.volume_from;
-  return elements_.pressure_forces_n(positions_m, damping.volume_ratio * elements_.lambda_pa().cwiseProduct(beyond));
 }
 
 NewtonForces NewtonSolver::forces(const NewtonState& state,
                                   const std::shared_ptr<const StrainTarget>& strain_target) const {
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   NewtonForces all{none, none, none, none, 0.0, 0.0, {}, {}, {}};
-  const ElementSums sums = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
-  all.elastic_j =
-      terms_.add_stored_gradient(state.positions_m, all.elastic_n) + sums.elastic_energy + volumetric_energy_j(sums);
-  terms_.add_driven_gradient(state.positions_m, state.drives, all.driven_n);
+  const ElementSums sums =
+      energies_.elements.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
+  all.elastic_j = energies_.terms.add_stored_gradient(state.positions_m, all.elastic_n) + sums.elastic_energy +
+                  energies_.volumetric_energy_j(sums);
+  energies_.terms.add_driven_gradient(state.positions_m, state.drives, all.driven_n);
   if (strain_target) {
-    springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
-    all.viscous_n += volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
+    energies_.springs.add_gradient(state.positions_m, *strain_target, all.viscous_n);
+    all.viscous_n += energies_.volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
   }
-  const ContactSums touching = contact_.sums(state.positions_m, state.contact);
-  contact_.add_forces(touching, all.contact_n);
-  all.rubbed_j = contact_.rubbed_j(touching);
-  all.free_n = contact_.free_forces_n(touching);
+  const ContactSums touching = energies_.contact.sums(state.positions_m, state.contact);
+  energies_.contact.add_forces(touching, all.contact_n);
+  all.rubbed_j = energies_.contact.rubbed_j(touching);
+  all.free_n = energies_.contact.free_forces_n(touching);
   for (int i = 0; i < constraint_count(); ++i) {
     all.values.push_back(constraints_[i].value(state.positions_m, state.drives));
     all.pulls_n.push_back(none);
@@ -271,42 +189,43 @@ StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<cons
                      end_.element_multipliers_pa == state.element_multipliers_pa;
   StepWork all;
   // All that acts on a node, the reaction with it; of a solve that just ended its residual, as held nodes do not move.
-  Eigen::Matrix3Xd net_n = known ? end_.at.residual_n : Eigen::Matrix3Xd(inertia_n - loads_n_);
-  double others_j = (inertia_n - loads_n_).cwiseProduct(way_m).sum();
+  Eigen::Matrix3Xd net_n = known ? end_.at.residual_n : Eigen::Matrix3Xd(inertia_n - energies_.loads.all_n());
+  double others_j = (inertia_n - energies_.loads.all_n()).cwiseProduct(way_m).sum();
   const auto take = [&](const Eigen::Matrix3Xd& forces_n) {
     if (!known) net_n += forces_n;
     const double work_j = forces_n.cwiseProduct(way_m).sum();
     others_j += work_j;
     return work_j;
   };
-  ElementSums sums =
-      known ? end_.at.elements : elements_.add_gradient(state.positions_m, state.element_multipliers_pa, net_n);
+  ElementSums sums = known ? end_.at.elements
+                           : energies_.elements.add_gradient(state.positions_m, state.element_multipliers_pa, net_n);
   if (known && strain_target && strain_target->volume_ratio > 0.0)
     sums.volumetric_strain += strain_target->free_volume();
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, way_m.cols());
   Eigen::Matrix3Xd forces_n;
-  all.elastic_energy_j = sums.elastic_energy + volumetric_energy_j(sums);
-  if (!terms_.empty()) {
-    all.elastic_energy_j += terms_.add_stored_gradient(state.positions_m, forces_n = none);
+  all.elastic_energy_j = sums.elastic_energy + energies_.volumetric_energy_j(sums);
+  if (!energies_.terms.empty()) {
+    all.elastic_energy_j += energies_.terms.add_stored_gradient(state.positions_m, forces_n = none);
     if (!known) net_n += forces_n;  // their work is elastic
-    terms_.add_driven_gradient(state.positions_m, state.drives, forces_n = none);
+    energies_.terms.add_driven_gradient(state.positions_m, state.drives, forces_n = none);
     all.driven_j = take(forces_n);
   }
   if (strain_target) {
     all.viscous_n = none;
-    springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
+    energies_.springs.add_gradient(state.positions_m, *strain_target, all.viscous_n);
     all.viscous_j = take(all.viscous_n);
-    const Eigen::Matrix3Xd of_volume_n = volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
+    const Eigen::Matrix3Xd of_volume_n =
+        energies_.volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
     const double of_volume_j = of_volume_n.cwiseProduct(way_m).sum();
     all.viscous_n += of_volume_n;  // among all forces already, by the multipliers
     all.viscous_j += of_volume_j;
     others_j += of_volume_j;
   }
-  if (!contact_.empty()) {
-    const ContactSums touching = known ? end_.at.contact : contact_.sums(state.positions_m, state.contact);
-    contact_.add_forces(touching, forces_n = none);
-    all.contact_j = take(forces_n) + contact_.free_forces_n(touching).cwiseProduct(free_way).sum();
-    all.rubbed_j = contact_.rubbed_j(touching);
+  if (!energies_.contact.empty()) {
+    const ContactSums touching = known ? end_.at.contact : energies_.contact.sums(state.positions_m, state.contact);
+    energies_.contact.add_forces(touching, forces_n = none);
+    all.contact_j = take(forces_n) + energies_.contact.free_forces_n(touching).cwiseProduct(free_way).sum();
+    all.rubbed_j = energies_.contact.rubbed_j(touching);
   }
   for (int i = 0; i < constraint_count(); ++i) {
     all.values.push_back(known ? end_.at.values[static_cast<std::size_t>(i)]
@@ -319,32 +238,24 @@ StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<cons
   return all;
 }
 
-double NewtonSolver::slipped_j(const NewtonState& state) const {
-  double sum = 0.0;
-  for (int j = 0; j < friction_contact_count(); ++j)
-    sum += state.slips_m[j] *
-           (state.constraint_multipliers[shared_[j].first] - state.constraint_multipliers[shared_[j].second]);
-  return sum;
-}
-
 Eigen::VectorXd NewtonSolver::elastic_force_n(const NewtonState& state) const {
-  Eigen::Matrix3Xd pressed_n = Eigen::Matrix3Xd::Zero(3, loads_n_.cols());
-  contact_.add_forces(contact_.sums(state.positions_m, state.contact), pressed_n);
-  terms_.add_gradient(state.positions_m, state.drives, pressed_n);
-  Eigen::Matrix3Xd force_n = loads_n_ - pressed_n;
-  release(force_n);
-  return as_vector(force_n) - border(state) * state.constraint_multipliers;
+  Eigen::Matrix3Xd pressed_n = Eigen::Matrix3Xd::Zero(3, energies_.loads.all_n().cols());
+  energies_.contact.add_forces(energies_.contact.sums(state.positions_m, state.contact), pressed_n);
+  energies_.terms.add_gradient(state.positions_m, state.drives, pressed_n);
+  Eigen::Matrix3Xd force_n = energies_.loads.all_n() - pressed_n;
+  tables_->release(force_n);
+  return as_vector(force_n) - constraint_gradients(*tables_, state) * state.constraint_multipliers;
 }
 
 Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers) {
-  const int count = constraint_count(), columns = count + term_count();
+  const int count = constraint_count(), columns = count + tables_->term_count();
   NewtonDrive commands{{}, Eigen::MatrixXd::Zero(count, columns), Eigen::MatrixXd::Zero(count, columns), {}};
-  if (term_count() > 0) commands.forces_n = Eigen::MatrixXd::Zero(state.positions_m.size(), columns);
-  for (int i = 0; i < term_count(); ++i) {
-    const DrivenTerm& driven = terms_.driven()[static_cast<std::size_t>(i)];
+  if (tables_->term_count() > 0) commands.forces_n = Eigen::MatrixXd::Zero(state.positions_m.size(), columns);
+  for (int i = 0; i < tables_->term_count(); ++i) {
+    const DrivenTerm& driven = energies_.terms.driven()[static_cast<std::size_t>(i)];
     Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
     driven.term->add_command_gradient(state.positions_m, driven.drive(state.drives), gradient);
-    release(gradient);
+    tables_->release(gradient);
     commands.forces_n.col(count + i) = as_vector(gradient);
   }
   for (int i = 0; i < count; ++i) {

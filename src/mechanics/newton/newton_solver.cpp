@@ -58,49 +58,26 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
       body_(tables_->body),
       constraints_(tables_->constraints),
       shared_(tables_->shared),
-      terms_(tables_->terms),
-      layout_(tables_->layout),
-      pulled_n_(tables_->loads_n),
-      loads_n_(tables_->loads_n),
-      force_floor_n_(tables_->force_floor_n),
-      contact_(tables_->contact),
-      matrix_(tables_->matrix),
-      factor_(tables_->factor),
-      elements_(tables_->elements),
-      springs_(elements_.batches(), elements_.slots()) {}
+      energies_(*tables_),
+      system_(*tables_, energies_) {}
 
-void NewtonSolver::pull(const Eigen::Matrix3Xd& forces_n) {
-  pulled_n_ = tables_->loads_n + forces_n;
-  loads_n_ = pulled_n_;
-}
-
-void NewtonSolver::add_loads(const Eigen::Matrix3Xd& extra_n) { loads_n_ = pulled_n_ + extra_n; }
-
-void NewtonSolver::release(Eigen::Matrix3Xd& forces) const { forces.reshaped()(tables_->held).setZero(); }
-
-Eigen::MatrixXd NewtonSolver::border(const NewtonState& state) const {
-  Eigen::MatrixXd columns(state.positions_m.size(), constraint_count());
-  Eigen::Matrix3Xd gradient(3, state.positions_m.cols());
-  for (int i = 0; i < constraint_count(); ++i) {
-    gradient.setZero();
-    constraints_[i].add_gradient(state.positions_m, state.drives, 1.0, gradient);
-    release(gradient);
-    columns.col(i) = as_vector(gradient);
-  }
-  return columns;
+void NewtonSolver::heed(const Interrupt* interrupt) {
+  interrupt_ = interrupt;
+  system_.heed(interrupt);
 }
 
 NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const NewtonState& state) const {
   if (interrupt_) interrupt_->check();
   Evaluation result;
   result.residual_n = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
-  result.elements = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, result.residual_n);
-  double largest = std::max(force_floor_n_, std::max(result.residual_n.norm(), loads_n_.norm()));
-  if (!terms_.empty()) {
-    result.smooth_energy += terms_.add_gradient(state.positions_m, state.drives, result.residual_n);
+  result.elements = energies_.elements.add_gradient(state.positions_m, state.element_multipliers_pa, result.residual_n);
+  double largest = std::max(tables_->force_floor_n, std::max(result.residual_n.norm(), energies_.loads.all_n().norm()));
+  if (!energies_.terms.empty()) {
+    result.smooth_energy += energies_.terms.add_gradient(state.positions_m, state.drives, result.residual_n);
     largest = std::max(largest, result.residual_n.norm());
   }
-  result.smooth_energy += result.elements.elastic_energy - loads_n_.cwiseProduct(state.positions_m).sum();
+  result.smooth_energy +=
+      result.elements.elastic_energy - energies_.loads.all_n().cwiseProduct(state.positions_m).sum();
   if (task.inertia_per_s2 > 0.0) {
     const Eigen::Matrix3Xd lag = state.positions_m - *task.predicted_m;
     const Eigen::Matrix3Xd inertia = task.inertia_per_s2 * lag * body_.node_masses_kg().asDiagonal();
@@ -108,12 +85,35 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     result.residual_n += inertia;
   }
   if (task.strain_target) {
-    result.smooth_energy += springs_.add_gradient(state.positions_m, *task.strain_target, result.residual_n);
+    result.smooth_energy += energies_.springs.add_gradient(state.positions_m, *task.strain_target, result.residual_n);
     if (task.strain_target->volume_ratio > 0.0) result.elements.volumetric_strain -= task.strain_target->free_volume();
   }
-  result.residual_n -= loads_n_;
+  result.residual_n -= energies_.loads.all_n();
 
-  double constraint_residual = 0.0;
+  const double constraint_residual = add_constraints(state, result);
+  result.contact = energies_.contact.sums(state.positions_m, state.contact);
+  energies_.contact.add_forces(result.contact, result.residual_n);
+  tables_->release(result.residual_n);
+  if (energies_.contact.free().count() > 0) add_free_obstacles(state, result);
+  const double volume_residual =
+      energies_.elements.mismatch(result.elements.volumetric_strain, state.element_multipliers_pa)
+          .cwiseAbs()
+          .maxCoeff();
+  double residual_n = result.residual_n.norm();
+  if (energies_.contact.free().count() > 0) {
+    largest = std::max(largest, energies_.contact.free().weight_n());
+    residual_n = std::hypot(residual_n, free_norm_n(energies_.contact.free(), result.free_residual));
+  }
+  result.force_scale_n = largest;
+  result.relative_residual =
+      std::max({residual_n / largest, constraint_residual, volume_residual, result.contact.mismatch});
+  result.finite =
+      std::isfinite(residual_n) && std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy);
+  return result;
+}
+
+double NewtonSolver::add_constraints(const NewtonState& state, Evaluation& result) const {
+  double residual = 0.0;
   result.friction_contacts = junctions_at(state.positions_m);
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = state.constraint_multipliers[i];
@@ -128,42 +128,26 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     // A prescribed multiplier is met or not.
     const double off = law.prescribed() ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
                                         : std::abs(relative_violation(law, y, result.values[i]));
-    constraint_residual = std::max(constraint_residual, off);
+    residual = std::max(residual, off);
   }
   for (int j = 0; j < friction_contact_count(); ++j)
-    constraint_residual = std::max(
-        constraint_residual,
-        friction_violation(result.friction_contacts[j], state.constraint_multipliers, state.slips_m[j], force_floor_n_,
-                           std::max(std::abs(result.values[result.friction_contacts[j].first]), 1e-300)));
-  result.contact = contact_.sums(state.positions_m, state.contact);
-  contact_.add_forces(result.contact, result.residual_n);
-  release(result.residual_n);
-  if (contact_.free().count() > 0) add_free_obstacles(state, result);
-  const double volume_residual =
-      elements_.mismatch(result.elements.volumetric_strain, state.element_multipliers_pa).cwiseAbs().maxCoeff();
-  double residual_n = result.residual_n.norm();
-  if (contact_.free().count() > 0) {
-    largest = std::max(largest, contact_.free().weight_n());
-    residual_n = std::hypot(residual_n, free_norm_n(contact_.free(), result.free_residual));
-  }
-  result.force_scale_n = largest;
-  result.relative_residual =
-      std::max({residual_n / largest, constraint_residual, volume_residual, result.contact.mismatch});
-  result.finite =
-      std::isfinite(residual_n) && std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy);
-  return result;
+    residual = std::max(
+        residual, friction_violation(result.friction_contacts[j], state.constraint_multipliers, state.slips_m[j],
+                                     tables_->force_floor_n,
+                                     std::max(std::abs(result.values[result.friction_contacts[j].first]), 1e-300)));
+  return residual;
 }
 
 void NewtonSolver::add_free_obstacles(const NewtonState& state, Evaluation& result) const {
-  result.free_residual = contact_.free_forces_n(result.contact);
+  result.free_residual = energies_.contact.free_forces_n(result.contact);
   result.smooth_energy +=
-      add_free_gradient(contact_.free(), state.contact.free, state.free_inertia.get(), result.free_residual);
+      add_free_gradient(energies_.contact.free(), state.contact.free, state.free_inertia.get(), result.free_residual);
 }
 
 FreeColumns NewtonSolver::free_load(const Evaluation& here) const {
-  FreeColumns load = -here.free_residual - contact_.free_mismatch_forces_n(touches_, here.contact);
+  FreeColumns load = -here.free_residual - energies_.contact.free_mismatch_forces_n(system_.touches(), here.contact);
   FreeColumns rigid = FreeColumns::Zero(3, load.cols());
-  contact_.rigid().add_mismatch_forces(rigid_touches_, here.contact.rigid, rigid);
+  energies_.contact.rigid().add_mismatch_forces(system_.rigid_touches(), here.contact.rigid, rigid);
   return load - rigid;
 }
 
@@ -171,19 +155,19 @@ FreeColumns NewtonSolver::free_load(const Evaluation& here) const {
 void NewtonSolver::subtract_beyond(Eigen::VectorXd& load, FreeColumns& free_load) const {
   Eigen::Matrix3Xd beyond_n = Eigen::Matrix3Xd::Zero(3, load.size() / 3);
   FreeColumns free_n = FreeColumns::Zero(3, free_load.cols());
-  contact_.add_beyond(touches_, beyond_n, free_n);
-  contact_.rigid().add_beyond(rigid_touches_, free_n);
-  release(beyond_n);
+  energies_.contact.add_beyond(system_.touches(), beyond_n, free_n);
+  energies_.contact.rigid().add_beyond(system_.rigid_touches(), free_n);
+  tables_->release(beyond_n);
   load -= as_vector(beyond_n);
   free_load -= free_n;
 }
 
 // With what condensation of the contact pressures adds.
 Eigen::VectorXd NewtonSolver::condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const {
-  if (contact_.empty()) return as_vector(residual_n);
+  if (energies_.contact.empty()) return as_vector(residual_n);
   Eigen::Matrix3Xd condensed_n = Eigen::Matrix3Xd::Zero(3, residual_n.cols());
-  contact_.add_mismatch_forces(touches_, here.contact, !skin_in_border_, condensed_n);
-  release(condensed_n);
+  energies_.contact.add_mismatch_forces(system_.touches(), here.contact, !system_.skin_in_border(), condensed_n);
+  tables_->release(condensed_n);
   return as_vector(residual_n) + as_vector(condensed_n);
 }
 
@@ -197,11 +181,12 @@ bool NewtonSolver::find_multipliers(const NewtonState& state, const Evaluation& 
   MultiplierProblem problem;
   Eigen::VectorXd before = state.constraint_multipliers;
   if (count > 0) {
-    problem.delassus = delassus_;
-    problem.excess = border_.transpose() * motion + delassus_ * state.constraint_multipliers;
+    problem.delassus = system_.border().delassus;
+    problem.excess =
+        system_.border().columns.transpose() * motion + system_.border().delassus * state.constraint_multipliers;
     problem.laws = here.laws;
     problem.friction_contacts = here.friction_contacts;
-    const double penalty = factor().negative_pivots() > 0 ? constants::kPenaltyOfBuckled : 1.0;
+    const double penalty = system_.negative_pivots() > 0 ? constants::kPenaltyOfBuckled : 1.0;
     for (int i = 0; i < count; ++i) {
       step.penalties[i] = penalty / std::max(std::abs(problem.delassus(i, i)) + here.laws[i].compliance, 1e-300);
       problem.delassus(i, i) += here.laws[i].compliance;
@@ -212,13 +197,13 @@ bool NewtonSolver::find_multipliers(const NewtonState& state, const Evaluation& 
     std::vector<ConstraintLaw> laws;
     before.conservativeResize(count + touching);
     for (std::size_t k = 0; k < step.skin.size(); ++k) {
-      before[count + static_cast<Eigen::Index>(k)] = contact_.push_n(step.skin[k]);
-      laws.push_back(contact_.law_of(step.skin[k]));
+      before[count + static_cast<Eigen::Index>(k)] = energies_.contact.push_n(step.skin[k]);
+      laws.push_back(energies_.contact.law_of(step.skin[k]));
     }
-    add_skin(step.skin_columns, laws, border_solved_, motion, before, problem);
+    add_skin(step.skin_columns, laws, system_.border().solved, motion, before, problem);
   }
   step.constraint_multipliers.resize(0);
-  if (problem.laws.empty()) return factor().negative_pivots() == 0;
+  if (problem.laws.empty()) return system_.negative_pivots() == 0;
   Multipliers solved = solve_multipliers(problem, before);
   if (!solved.found) return false;
   if (friction_contact_count() > 0) step.slips_m = std::move(solved.slips_m);
@@ -230,50 +215,54 @@ bool NewtonSolver::find_multipliers(const NewtonState& state, const Evaluation& 
 // The residual holds the forces of the old multipliers already, so the border answers only for their change.
 NewtonSolver::StepLoad NewtonSolver::step_load(const NewtonState& state, const Evaluation& here) {
   StepLoad load;
-  const Eigen::VectorXd mismatch = elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa);
+  const Eigen::VectorXd mismatch =
+      energies_.elements.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa);
   load.gradient_n = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
-  elements_.add_mismatch_forces(mismatch, load.gradient_n);
-  release(load.gradient_n);
-  load.gradient_n += turned_back(turns_, here.residual_n);
+  energies_.elements.add_mismatch_forces(mismatch, load.gradient_n);
+  tables_->release(load.gradient_n);
+  load.gradient_n += turned_back(system_.turns(), here.residual_n);
   load.load_n = -condensed_residual(here, load.gradient_n);
-  if (!free_border_.empty()) {
+  if (!system_.free_border().empty()) {
     load.free_n = free_load(here);
     subtract_beyond(load.load_n, load.free_n);
   }
-  load.motion = skin_in_border_ ? solve_with(load.load_n, without_column(on_skin(here.contact))) : solve(load.load_n);
-  if (!free_border_.empty()) load.motion += free_border_.nodal_motions(load.free_n.reshaped());
+  load.motion =
+      system_.skin_in_border() ? system_.solve_with(load.load_n, on_skin(here.contact)) : system_.solve(load.load_n);
+  if (!system_.free_border().empty()) load.motion += system_.free_border().nodal_motions(load.free_n.reshaped());
   return load;
 }
 
 bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, const StepLoad& from,
                              const std::vector<ContactTouch>& ahead, Step& step) {
   step.contact_start = with_ahead(here.contact, ahead);
-  step.skin = skin_in_border_ ? on_skin(step.contact_start) : std::vector<ContactTouch>();
+  step.skin = system_.skin_in_border() ? on_skin(step.contact_start) : std::vector<ContactTouch>();
   if (static_cast<int>(step.skin.size()) > kMostAhead) return false;
-  step.skin_columns = columns_of(step.skin);
+  step.skin_columns = system_.columns_of(step.skin);
   if (!find_multipliers(state, here, from.motion, step)) return false;
   Eigen::VectorXd load = from.load_n, motion = from.motion;
   if (constraint_count() > 0) {
-    motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
-    if (!free_border_.empty()) load -= border_ * (step.constraint_multipliers - state.constraint_multipliers);
+    motion -= system_.border().solved * (step.constraint_multipliers - state.constraint_multipliers);
+    if (!system_.free_border().empty())
+      load -= system_.border().columns * (step.constraint_multipliers - state.constraint_multipliers);
   }
   for (std::size_t k = 0; k < step.skin.size(); ++k)
     motion -= step.skin_changes_n[static_cast<Eigen::Index>(k)] * step.skin_columns[k]->solved;
-  step.free_motion = free_border_.motion(from.free_n, load);
+  step.free_motion = system_.free_border().motion(from.free_n, load);
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
-  step.element_multipliers_pa = elements_.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
-  step.contact_pressures_pa =
-      contact_.next_pressures_pa(touches_, here.contact, !skin_in_border_, step.motion_m, step.free_motion);
+  step.element_multipliers_pa = energies_.elements.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
+  step.contact_pressures_pa = energies_.contact.next_pressures_pa(
+      system_.touches(), here.contact, !system_.skin_in_border(), step.motion_m, step.free_motion);
   for (std::size_t k = 0; k < step.skin.size(); ++k)
     step.contact_pressures_pa[step.skin[k].pair] =
-        std::max(0.0, step.skin[k].pressure_pa +
-                          contact_.pressure_pa(step.skin[k], step.skin_changes_n[static_cast<Eigen::Index>(k)]));
-  if (!free_border_.empty())
-    step.rigid_forces_n = contact_.rigid().next_forces_n(rigid_touches_, here.contact.rigid, step.free_motion);
+        std::max(0.0, step.skin[k].pressure_pa + energies_.contact.pressure_pa(
+                                                     step.skin[k], step.skin_changes_n[static_cast<Eigen::Index>(k)]));
+  if (!system_.free_border().empty())
+    step.rigid_forces_n =
+        energies_.contact.rigid().next_forces_n(system_.rigid_touches(), here.contact.rigid, step.free_motion);
 
   prepare_merit(state, here, from.gradient_n, step);
-  step.motion_m = turned(turns_, step.motion_m);
+  step.motion_m = turned(system_.turns(), step.motion_m);
   return std::isfinite(step.slope);
 }
 
@@ -282,11 +271,11 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   std::vector<ContactTouch> ahead;
   for (int round = 0;; ++round) {
     if (!find_step(state, here, load, ahead, step)) return false;
-    if (!skin_in_border_ || round == rounds) return true;
+    if (!system_.skin_in_border() || round == rounds) return true;
     ContactState there = state.contact;
     there.pressures_pa = step.contact_pressures_pa;
-    const ContactSums end = contact_.sums(state.positions_m + step.motion_m, there);
-    const std::vector<ContactTouch> more = contact_.met_by(step.motion_m, end, step.contact_start.touches);
+    const ContactSums end = energies_.contact.sums(state.positions_m + step.motion_m, there);
+    const std::vector<ContactTouch> more = energies_.contact.met_by(step.motion_m, end, step.contact_start.touches);
     if (more.empty()) return true;
     ahead.insert(ahead.end(), more.begin(), more.end());
   }
@@ -294,18 +283,18 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
 
 // The factor may be of faces that points kept, which a saved state does not know.
 void NewtonSolver::let_faces_go() {
-  if (!contact_.skin().keeps_faces()) return;
-  contact_.let_faces_go();
-  forget_factor();
+  if (!energies_.contact.skin().keeps_faces()) return;
+  energies_.contact.let_faces_go();
+  system_.forget_factor();
 }
 
 void NewtonSolver::abandon() {
-  contact_.let_faces_go();
-  forget_factor();
+  energies_.contact.let_faces_go();
+  system_.forget_factor();
 }
 
 NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
-  const DampedBulk damped(elements_, task.strain_target.get());
+  const DampedBulk damped(energies_.elements, task.strain_target.get());
   NewtonReport report;
   Evaluation here = evaluate(task, state);
   if (!here.finite) {
@@ -321,13 +310,13 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   };
 
   // Little but friction holds a free obstacle: by the tangent of what slips it would go far past where it sticks.
-  const Slip cautious = contact_.free().count() > 0 ? Slip::secant : Slip::tangent;
+  const Slip cautious = energies_.contact.free().count() > 0 ? Slip::secant : Slip::tangent;
   StepPolicy policy{cautious, cautious, may_reuse(task, here.relative_residual)};
   AndersonMixing mixing(constants::kOldFactorSteps);
-  const bool may_keep_faces = task.inertia_per_s2 > 0.0 && contact_.skin().pair_count() > 0;
+  const bool may_keep_faces = task.inertia_per_s2 > 0.0 && energies_.contact.skin().pair_count() > 0;
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
-    if (may_keep_faces && report.iterations >= kFreeToChange) contact_.keep_faces(here.contact.touches);
+    if (may_keep_faces && report.iterations >= kFreeToChange) energies_.contact.keep_faces(here.contact.touches);
     ++report.iterations;
     const bool try_old = policy.old_factor && mixing.size() < constants::kOldFactorSteps;
     if (try_old && try_old_factor(task, state, here, mixing)) continue;
@@ -340,10 +329,10 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
 bool NewtonSolver::find_fresh_step(const NewtonTask& task, const StepPolicy& policy, const NewtonState& state,
                                    const Evaluation& here, Step& step, NewtonReport& report) {
-  if (policy.plain() && has_factor_at(state, task.inertia_per_s2, task.strain_target))
+  if (policy.plain() && system_.has_factor_at(state, task.inertia_per_s2, task.strain_target))
     return find_step(state, here, step);
   ++report.factorisations;
-  return linearise(state, task.inertia_per_s2, task.strain_target, policy.convex, policy.slip) &&
+  return system_.linearise(state, task.inertia_per_s2, task.strain_target, policy.convex, policy.slip) &&
          find_step(state, here, step);
 }
 
@@ -386,7 +375,7 @@ double NewtonSolver::come_closer(const NewtonTask& task, double most_m, NewtonSt
   NewtonState at = state;
   double first_m = 0.0, before_m = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kCloser; ++i) {
-    if (!has_factor_at(at, 0.0, nullptr) && !linearise(at, 0.0, nullptr, false)) break;
+    if (!system_.has_factor_at(at, 0.0, nullptr) && !system_.linearise(at, 0.0, nullptr, false)) break;
     const Evaluation here = evaluate(task, at);
     Step step;
     if (!here.finite || !find_step(at, here, step)) break;
@@ -397,7 +386,7 @@ double NewtonSolver::come_closer(const NewtonTask& task, double most_m, NewtonSt
       return left_m;
     }
     if (left_m > 0.5 * before_m ||
-        part_before_obstacles(body_, contact_, at.positions_m, step.motion_m, at.contact) < 1.0)
+        part_before_obstacles(body_, energies_.contact, at.positions_m, step.motion_m, at.contact) < 1.0)
       break;
     before_m = left_m;
     at = full_step(at, step);

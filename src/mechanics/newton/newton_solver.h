@@ -16,23 +16,15 @@
 
 #include <Eigen/Core>
 
-#include "mechanics/contact/contact_term.h"
+#include "linear_system.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 #include "mechanics/linear_algebra/anderson_mixing.h"
-#include "mechanics/linear_algebra/block_cholesky.h"
-#include "mechanics/linear_algebra/block_matrix.h"
 #include "mechanics/state/driven_constraint.h"
 #include "mechanics/state/interrupt.h"
 #include "mechanics/state/newton_state.h"
-#include "mechanics/elements/elements.h"
-#include "contact_matrix.h"
-#include "free_border.h"
-#include "kept_factor.h"
-#include "mechanics/complementarity/multiplier_problem.h"
+#include "newton_energies.h"
 #include "newton_tables.h"
-#include "skin_border.h"
 #include "soft_robot_lab/mechanics/body.h"
-#include "soft_robot_lab/mechanics/constraint.h"
-#include "mechanics/elements/strain_springs.h"
 
 namespace soft_robot_lab {
 
@@ -107,13 +99,13 @@ struct StepWork {
   Eigen::Matrix3Xd reactions_n;                              // of held nodes; empty unless asked for
 };
 
-// The workspace of one thread: matrix, factor and scratch, with the factor's tag, `linearisation`.
+// The method of one thread, with its energies and its linear system.
 class NewtonSolver {
  public:
   explicit NewtonSolver(std::shared_ptr<const NewtonTables> tables);
 
   // What may end solve() and descend() by SolveInterrupted, and must outlive this; afterwards abandon() must follow.
-  void heed(const Interrupt* interrupt) { interrupt_ = interrupt; }
+  void heed(const Interrupt* interrupt);
   void abandon();
 
   // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
@@ -125,8 +117,6 @@ class NewtonSolver {
   // Not for bodies with friction_contacts: friction has no energy.
   NewtonReport descend(const NewtonTask& task, NewtonState& state);
 
-  int inverted_elements(const Eigen::Matrix3Xd& positions_m) const;
-
   // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint, then one per driven energy
   // term; the command of each is that of its actuator. Empty when the tangent is not positive definite, so that there
   // is no stable equilibrium. `multipliers`, where given, becomes d multiplier / d command, constraints x the same
@@ -137,11 +127,6 @@ class NewtonSolver {
   // factor. Skin at the limit of friction makes it depend on the direction: each column is that of the direction in
   // which, all in all, what slipped goes on.
   NewtonResponse respond(const NewtonState& state, const NewtonDrive& drive);
-
-  // Jbar - 1 of each multiplier.
-  Eigen::VectorXd volumetric_strain(const Eigen::Matrix3Xd& positions_m) const {
-    return sums_at(positions_m).volumetric_strain;
-  }
 
   // What the residual force at an equilibrium gains where all moduli of the body grow by the factor 1 + d: the elastic
   // force, which loads and constraints balance. Over 3*node + axis.
@@ -155,21 +140,18 @@ class NewtonSolver {
   StepWork work(const NewtonState& state, const std::shared_ptr<const StrainTarget>& strain_target,
                 const Eigen::Matrix3Xd& inertia_n, const Eigen::Matrix3Xd& way_m, const FreeColumns& free_way,
                 bool with_reactions) const;
-  double elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const;
   // By how much the potential that a task makes least is higher at one state than at another: with friction, contact,
   // and constraints that give way as carried points do. Both have the drives of `from`, and its contact but for where
   // free obstacles are.
   double potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to);
-  const Eigen::Matrix3Xd& loads_n() const { return loads_n_; }
-  // Besides the body's own loads, in place of what pulled before.
-  void pull(const Eigen::Matrix3Xd& forces_n);
-  double constraint_value(int constraint, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives) const {
-    return constraints_[static_cast<std::size_t>(constraint)].value(positions_m, drives);
-  }
-  double slipped_j(const NewtonState& state) const;  // that cables' friction takes by the state's slips
+
   // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   double rest_residual(const NewtonState& state) const;
   bool stable_at_rest(const NewtonState& state);
+  // The same, but for what nothing resists: a motion whose stiffness is zero but for rounding is not unstable.
+  bool minimum_at_rest(const NewtonState& state);
+  // By subspace iteration with the factor there (Bathe 1971).
+  SoftModes soft_modes(const NewtonState& state);
   // On from a rest state, as what is soft is far from it at a small residual: until the next step moves no node by more
   // than `most_m`. Full steps, each shorter than half of the one before (Deuflhard 2011, natural monotonicity), as
   // their energy is lost in rounding. Where one is not, the state stays. What is left to go; zero where there is no
@@ -177,29 +159,17 @@ class NewtonSolver {
   double come_closer(const NewtonTask& task, double most_m, NewtonState& state);
   // The same without a factor, of a body that creeps to rest: by its residual and its stiffness along the motion.
   double creep_left_m(const NewtonState& state, const Eigen::Matrix3Xd& velocities_m_s) const;
-  // The same, but for what nothing resists: a motion whose stiffness is zero but for rounding is not unstable.
-  bool minimum_at_rest(const NewtonState& state);
-  // By subspace iteration with the factor there (Bathe 1971).
-  SoftModes soft_modes(const NewtonState& state);
-  // What is left of the forces on what is not held, 3 x nodes; and loads beside the body's own and what pulls.
+  // What is left of the forces on what is not held, 3 x nodes.
   Eigen::Matrix3Xd residual_n(const NewtonState& state) const { return evaluate(NewtonTask{}, state).residual_n; }
-  void add_loads(const Eigen::Matrix3Xd& extra_n);
   // How far the constraints are from their laws, relative to their values; costs no pass over the body.
   double worst_violation(const NewtonState& state) const;
 
-  // The last linearisation, or nullptr where it cannot be reused; and taking up another one. Its factor is made again
-  // where something asks for it, which an equilibrium elsewhere does not.
-  const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
-  void restore(const std::shared_ptr<const Linearisation>& linearisation);
-
-  int element_multiplier_count() const { return tables_->element_multiplier_count(); }
-  Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.batch_count()) * kLanes; }
-  Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
-  const StrainSprings& springs() const { return springs_; }
-  int constraint_count() const { return static_cast<int>(constraints_.size()); }
-  int term_count() const { return tables_->term_count(); }
-  int friction_contact_count() const { return static_cast<int>(shared_.size()); }
-  const ContactTerm& contact() const { return contact_; }
+  const NewtonTables& tables() const { return *tables_; }
+  const NewtonEnergies& energies() const { return energies_; }
+  const ContactTerm& contact() const { return energies_.contact; }
+  NodalLoads& loads() { return energies_.loads; }
+  LinearSystem& system() { return system_; }
+  const LinearSystem& system() const { return system_; }
 
  private:
   struct Evaluation {
@@ -246,13 +216,10 @@ class NewtonSolver {
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
-  void let_faces_go();  // that points have kept while it solved
+  double add_constraints(const NewtonState& state, Evaluation& result) const;  // how far the worst is from its law
+  void let_faces_go();                                                         // that points have kept while it solved
   void add_free_obstacles(const NewtonState& state, Evaluation& result) const;
-  // The stiffness of friction: of what slips its tangent or its secant, or what is at the limit sticks, or all that
-  // rubs on obstacles goes back to where it stuck. No further step is taken by a factor but with the tangent.
-  enum class Slip { tangent, secant, held, stuck };
-  bool linearise(const NewtonState& state, double inertia_per_s2,
-                 const std::shared_ptr<const StrainTarget>& strain_target, bool convex, Slip slip = Slip::tangent);
+  using Slip = LinearSystem::Slip;
   // How solve() finds its next step.
   struct StepPolicy {
     Slip cautious, slip;
@@ -268,34 +235,12 @@ class NewtonSolver {
   // Why there is none, or nothing.
   std::string take_fresh_step(const NewtonTask& task, StepPolicy& policy, NewtonState& state, Evaluation& here,
                               NewtonReport& report);
-  bool linearise_held(const NewtonState& state);  // at rest, where all that is at the limit of friction sticks
   MultiplierProblem problem_at(const NewtonState& state, const Eigen::MatrixXd& border_solved) const;
   NewtonResponse respond_held(const NewtonState& state, const NewtonDrive& drive) const;  // by that matrix
   NewtonDrive with_slips(const NewtonDrive& drive, const TouchesAtLimit& at_limit) const;
-  bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
-                              bool convex);  // what is not of the elements
-  bool factorise(bool convex);               // with skin on skin
-  // Whether skin on skin may be a constraint of each step, where no more points of it than that touch.
-  bool may_be_in_border(const std::vector<ContactTouch>& touches, int most) const;
-  void include_in_pattern(std::vector<FacePair> closed);
-  const BlockCholesky& factor() const { return skin_in_matrix_ ? with_skin_->factor : factor_; }
-  const BlockMatrix& whole_matrix() const { return skin_in_matrix_ ? with_skin_->matrix : matrix_; }
-  bool linearised_at(const NewtonState& state, double inertia_per_s2,
-                     const std::shared_ptr<const StrainTarget>& strain_target) const;
-  bool make_factor();  // of linearisation_, where factor_ holds that of another
-  bool has_factor_at(const NewtonState& state, double inertia_per_s2,
-                     const std::shared_ptr<const StrainTarget>& strain_target);  // and makes it, where it is not yet
-  void forget_factor();
-  void exchange(KeptFactor& other);
-  bool may_be_kept() const;
-  void keep_factor();  // before another one is made
-  bool take_up_kept_factor();
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
-  // A column for each constraint that is active, or for those that slip together: which they are.
-  Eigen::MatrixXd active_sums(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
   ConstraintLaw law_at(const NewtonState& state, int constraint) const;
   std::vector<FrictionContactBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
-  void border_free_obstacles(const NewtonState& state, bool convex);
   FreeColumns free_load(const Evaluation& here) const;  // condensed
   ContactState after(const NewtonState& state, const Step& step, double length) const;
   double first_length(const Step& step) const;
@@ -307,20 +252,11 @@ class NewtonSolver {
   bool find_step(const NewtonState& state, const Evaluation& here, const StepLoad& load,
                  const std::vector<ContactTouch>& ahead, Step& step);
   StepLoad step_load(const NewtonState& state, const Evaluation& here);
-  // Of skin that touches, by the last factor. One pass of that solves for loads and for all columns that are missing.
-  SkinGradient released_gradient(const ContactTouch& touch) const;
-  std::vector<SkinGradient> without_column(const std::vector<ContactTouch>& touches) const;
-  Eigen::MatrixXd solve_with(Eigen::MatrixXd loads, std::vector<SkinGradient> missing);
-  SkinColumns columns_of(const std::vector<ContactTouch>& touches);
-  void keep_skin_columns();
   bool find_multipliers(const NewtonState& state, const Evaluation& here, const Eigen::VectorXd& motion,
                         Step& step) const;
-  bool any_in_matrix(const std::vector<ContactTouch>& touches) const;
   NewtonState full_step(const NewtonState& state, const Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
-  bool may_try_old_factor(const NewtonTask& task, const Evaluation& here);
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing);
-  Turns turns_since_linearisation(const Eigen::Matrix3Xd& positions_m) const;
   // Completes the step by what the merit function needs. `gradient_n`: of the nodes, before the step.
   void prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,
                      Step& step) const;
@@ -329,62 +265,22 @@ class NewtonSolver {
   // `contact`: when the step began.
   EnergyAt energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives,
                      const ContactState& contact) const;
-  bool linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
-                       double convexity);
   bool linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
                           double& convexity, NewtonReport& report);
   Eigen::VectorXd downhill(const Eigen::Matrix3Xd& gradient_n, const Eigen::VectorXd& compliances,
                            const std::vector<int>& open) const;
   double merit(const Evaluation& at, const Step& step) const;
-  void release(Eigen::Matrix3Xd& forces) const;                          // zero on held degrees of freedom
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
-  Eigen::MatrixXd border(const NewtonState& state) const;
-  // The same where carried points are just where their nodes carry them; the ties of the matrix let them give way.
-  // And with free obstacles: a column each, their rows as FreeBorder has them.
-  struct ExactMotions {
-    Eigen::MatrixXd motions_m, free;
-  };
-  ExactMotions solve_exactly(const Eigen::MatrixXd& loads_n, const Eigen::MatrixXd& free_loads = {}) const;
-  // What the motions add to the residuals, but for the coupling of free obstacles that the matrix has.
-  ExactMotions exact_forces_n(const ExactMotions& motions) const;
-  ElementSums sums_at(const Eigen::Matrix3Xd& positions_m) const;  // but for the gradient
-  double volumetric_energy_j(const ElementSums& sums) const;
-  // What the volume's damping pulls by at Jbar - 1.
-  Eigen::Matrix3Xd volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,
-                                    const Eigen::Matrix3Xd& positions_m) const;
+
+  int constraint_count() const { return tables_->constraint_count(); }
+  int friction_contact_count() const { return tables_->friction_contact_count(); }
 
   std::shared_ptr<const NewtonTables> tables_;
   const Body& body_;  // these are the tables'
   const std::vector<DrivenConstraint>& constraints_;
   const std::vector<SharedLength>& shared_;
-  const EnergyTerms& terms_;
-  const MatrixLayout& layout_;
-  Eigen::Matrix3Xd pulled_n_;  // the tables' loads, and what pulls now,
-  Eigen::Matrix3Xd loads_n_;   // with what add_loads() added
-  const double force_floor_n_;
-  ContactTerm contact_;
   const Interrupt* interrupt_ = nullptr;
-
-  BlockMatrix matrix_;
-  BlockCholesky factor_;
-  std::unique_ptr<ContactMatrix> with_skin_;  // instead of both, where skin touches skin:
-  bool skin_in_matrix_ = false;
-  std::shared_ptr<const ContactPattern> contact_pattern_;  // the last one
-  Elements elements_;
-  StrainSprings springs_;
-  std::vector<KeptFactor> kept_;  // the oldest first
-  bool soft_contact_ = false;     // while descending
-  bool skin_in_border_ = false;   // skin on skin is not in the matrix, but a constraint of each step
-
-  // The last linearisation, and that whose factor is in factor_ and whose volume gradients are in elements_: another
-  // one after restore().
-  std::shared_ptr<const Linearisation> linearisation_, factorised_;  // null where it was convex or failed
-  Eigen::MatrixXd border_, border_solved_, delassus_;                // B and A^-1 B, over 3*node + axis; B' A^-1 B
-  std::vector<ContactTouch> touches_;                                // of which the matrix was made
-  RigidTouches rigid_touches_;                                       // the same
-  FreeBorder free_border_;
-  Turns turns_;               // of the nodes since then, by which the old factor turns with them
-  SkinColumns skin_columns_;  // of that factor
+  NewtonEnergies energies_;
+  LinearSystem system_;
 
   // Where the last solve ended.
   struct End {

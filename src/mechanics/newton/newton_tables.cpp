@@ -35,9 +35,23 @@ NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> co
   terms.place_in(*matrix);
 }
 
+void NewtonTables::release(Eigen::Matrix3Xd& forces) const { forces.reshaped()(held).setZero(); }
+
 const StepWarp& NewtonTables::warp() const {
   std::call_once(warp_made_, [this] { warp_ = std::make_unique<StepWarp>(body, elements->batches, *matrix); });
   return *warp_;
+}
+
+Eigen::MatrixXd constraint_gradients(const NewtonTables& tables, const NewtonState& state) {
+  Eigen::MatrixXd columns(state.positions_m.size(), tables.constraint_count());
+  Eigen::Matrix3Xd gradient(3, state.positions_m.cols());
+  for (int i = 0; i < tables.constraint_count(); ++i) {
+    gradient.setZero();
+    tables.constraints[static_cast<std::size_t>(i)].add_gradient(state.positions_m, state.drives, 1.0, gradient);
+    tables.release(gradient);
+    columns.col(i) = as_vector(gradient);
+  }
+  return columns;
 }
 
 }  // namespace soft_robot_lab

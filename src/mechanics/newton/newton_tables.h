@@ -15,6 +15,7 @@
 #include "mechanics/linear_algebra/block_matrix.h"
 #include "mechanics/elements/clique_adder.h"
 #include "mechanics/state/driven_constraint.h"
+#include "mechanics/state/newton_state.h"
 #include "mechanics/elements/elements.h"
 #include "mechanics/elements/node_turns.h"
 #include "energy_terms.h"
@@ -33,7 +34,8 @@ struct NewtonTables {
   int term_count() const { return static_cast<int>(terms.driven().size()); }
   int friction_contact_count() const { return static_cast<int>(shared.size()); }
   int element_multiplier_count() const { return static_cast<int>(elements->rest_volumes_m3().size()); }
-  const StepWarp& warp() const;  // made when it is first asked for: many a body never needs it
+  void release(Eigen::Matrix3Xd& forces) const;  // zero on held degrees of freedom
+  const StepWarp& warp() const;                  // made when it is first asked for: many a body never needs it
 
   const Body& body;
   std::vector<DrivenConstraint> constraints;
@@ -56,5 +58,8 @@ struct NewtonTables {
   mutable std::once_flag warp_made_;
   mutable std::unique_ptr<const StepWarp> warp_;
 };
+
+// Of all constraints, released, a column each over 3*node + axis: dC/dx.
+Eigen::MatrixXd constraint_gradients(const NewtonTables& tables, const NewtonState& state);
 
 }  // namespace soft_robot_lab

@@ -49,7 +49,7 @@ bool other_set(const std::vector<ContactTouch>& start, const Eigen::VectorXd& pr
 }  // namespace
 
 NewtonState NewtonSolver::full_step(const NewtonState& state, const Step& step) const {
-  ContactState contact = free_border_.empty() ? state.contact : after(state, step, 1.0);
+  ContactState contact = system_.free_border().empty() ? state.contact : after(state, step, 1.0);
   contact.pressures_pa = step.contact_pressures_pa;
   return {state.positions_m + step.motion_m,
           step.element_multipliers_pa,
@@ -64,16 +64,17 @@ NewtonState NewtonSolver::full_step(const NewtonState& state, const Step& step) 
 // vector; the residuals as the convergence test takes them.
 NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
                               AndersonMixing& mixing) const {
-  ContactState contact = free_border_.empty() ? state.contact : after(state, step, 1.0);
+  ContactState contact = system_.free_border().empty() ? state.contact : after(state, step, 1.0);
   contact.pressures_pa = step.contact_pressures_pa;
-  const bool other = skin_in_border_ && other_set(step.contact_start.touches, contact.pressures_pa);
+  const bool other = system_.skin_in_border() && other_set(step.contact_start.touches, contact.pressures_pa);
   if (other) mixing.clear();
   if (other || friction_contact_count() > 0 ||
-      contact_.free().count() > 0)  // what presses, sticks and slips changes at once; no model of it is linear
+      energies_.contact.free().count() > 0)  // what presses, sticks and slips changes at once; no model of it is linear
     return full_step(state, step);
   // Of skin that is a constraint, only what presses; which of it does is the same meanwhile.
-  const std::vector<Eigen::Index> pressing =
-      skin_in_border_ ? pressed(step.contact_start.touches, contact.pressures_pa) : all_of(contact.pressures_pa);
+  const std::vector<Eigen::Index> pressing = system_.skin_in_border()
+                                                 ? pressed(step.contact_start.touches, contact.pressures_pa)
+                                                 : all_of(contact.pressures_pa);
   const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
                      constraints = state.constraint_multipliers.size(),
                      touching = static_cast<Eigen::Index>(pressing.size()), others = elements + constraints + touching;
@@ -85,14 +86,15 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
       step.constraint_multipliers - state.constraint_multipliers,
       contact.pressures_pa(pressing) - state.contact.pressures_pa(pressing);
   residual.head(nodes) = as_vector(here.residual_n) / here.force_scale_n;
-  residual.tail(others) << elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa),
-      Eigen::VectorXd(constraints), contact_.mismatches(here.contact, pressing);
+  residual.tail(others) << energies_.elements.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa),
+      Eigen::VectorXd(constraints), energies_.contact.mismatches(here.contact, pressing);
   for (int i = 0; i < constraint_count(); ++i)
     residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
   const bool first = mixing.size() == 0;
   const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(residual));
-  const double least_pa = skin_in_border_ ? std::numeric_limits<double>::min() : 0.0;  // what presses goes on to
-  if (!first || !skin_in_border_) contact.pressures_pa(pressing) = next.tail(touching).cwiseMax(least_pa);
+  const double least_pa =
+      system_.skin_in_border() ? std::numeric_limits<double>::min() : 0.0;  // what presses goes on to
+  if (!first || !system_.skin_in_border()) contact.pressures_pa(pressing) = next.tail(touching).cwiseMax(least_pa);
   NewtonState mixed{Eigen::Map<const Eigen::Matrix3Xd>(next.data(), 3, state.positions_m.cols()),
                     next.segment(nodes, elements),
                     next.segment(nodes + elements, constraints),
@@ -105,34 +107,13 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
   return mixed;
 }
 
-bool NewtonSolver::any_in_matrix(const std::vector<ContactTouch>& touches) const {
-  if (!skin_in_border_) return !touches.empty();
-  return std::any_of(touches.begin(), touches.end(),
-                     [](const ContactTouch& touch) { return touch.closed && !touch.on_skin(); });
-}
-
-// Obstacles that touched did not turn with the body.
-Turns NewtonSolver::turns_since_linearisation(const Eigen::Matrix3Xd& positions_m) const {
-  const bool touched = any_in_matrix(touches_) || !free_border_.empty();
-  if (touched || positions_m == linearisation_->at->positions_m) return {};
-  return tables_->turns.between(linearisation_->at->positions_m, positions_m);
-}
-
-bool NewtonSolver::may_try_old_factor(const NewtonTask& task, const Evaluation& here) {
-  return linearisation_ && linearisation_->inertia_per_s2 == task.inertia_per_s2 &&
-         (linearisation_->strain_target == nullptr) == (task.strain_target == nullptr) && make_factor() &&
-         ContactTerm::same_set(touches_, here.contact.touches, !skin_in_border_) &&
-         RigidContact::same_set(rigid_touches_, here.contact.rigid);
-}
-
 // A step by the last factor, kept only where it brings the residual down; where it does not, but by little, one more
 // from there, as the forces' norm need not fall where the shape comes nearer. Volume and constraint multipliers stay
 // unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
 bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
                                   AndersonMixing& mixing) {
-  if (!may_try_old_factor(task, here)) return false;
-  if (mixing.size() == 0)
-    turns_ = any_in_matrix(here.contact.touches) ? Turns(3, 0) : turns_since_linearisation(state.positions_m);
+  if (!system_.may_serve(task.inertia_per_s2, task.strain_target != nullptr, here.contact)) return false;
+  if (mixing.size() == 0) system_.turn_to(state.positions_m, here.contact.touches);
   const double enough = std::max(task.tolerance, constants::kWorthwhileDecrease * here.relative_residual);
   NewtonState reached;
   Evaluation at_reached;
@@ -142,8 +123,8 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
     Step step;
     if (!find_step(from, at_from, step, mixing.size() == 0 ? kRoundsAhead : 0)) return false;
     NewtonState trial = mix(from, at_from, step, mixing);
-    if (part_before_obstacles(body_, contact_, from.positions_m, trial.positions_m - from.positions_m, from.contact) <
-        1.0)
+    if (part_before_obstacles(body_, energies_.contact, from.positions_m, trial.positions_m - from.positions_m,
+                              from.contact) < 1.0)
       return false;
     Evaluation there = evaluate(task, trial);
     const auto falls = [&] { return there.finite && there.relative_residual <= enough; };

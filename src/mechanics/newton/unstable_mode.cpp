@@ -57,9 +57,8 @@ SoftModes in_order_of_stiffness(const Eigen::VectorXd& stiffness_per_s2, const E
   return {stiffness_per_s2(order), motions(Eigen::all, order)};
 }
 
-}  // namespace
-
-Eigen::MatrixXd NewtonSolver::active_sums(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const {
+// A column for each constraint that is active, or for those that slip together: which they are.
+Eigen::MatrixXd active_sums(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) {
   const int count = static_cast<int>(problem.laws.size());
   const std::vector<int> group = slipping_groups(problem, multipliers);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, count);
@@ -72,43 +71,47 @@ Eigen::MatrixXd NewtonSolver::active_sums(const MultiplierProblem& problem, cons
   return sums.leftCols(size);
 }
 
+}  // namespace
+
 // Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled
 // body is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A
 // (Haynsworth 1968: the inertia of the bordered matrix).
 bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const {
-  if (factor().negative_pivots() == 0) return true;
+  if (system_.negative_pivots() == 0) return true;
   const Eigen::MatrixXd sums = active_sums(problem, multipliers);
-  if (sums.cols() < factor().negative_pivots()) return false;
+  if (sums.cols() < system_.negative_pivots()) return false;
   const Eigen::MatrixXd sub = sums.transpose() * problem.delassus * sums;
   const Eigen::VectorXd eigenvalues =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
-  return (eigenvalues.array() < 0.0).count() == factor().negative_pivots();
+  return (eigenvalues.array() < 0.0).count() == system_.negative_pivots();
 }
 
 bool NewtonSolver::stable_at_rest(const NewtonState& state) {
-  if (!has_factor_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return false;
-  const bool stable = factor().negative_pivots() == 0 ||
+  if (!system_.has_factor_at(state, 0.0, nullptr) && !system_.linearise(state, 0.0, nullptr, false)) return false;
+  const bool stable = system_.negative_pivots() == 0 ||
                       (constraint_count() > 0 &&
-                       stable_under(problem_at(state, solve_exactly(border_).motions_m), state.constraint_multipliers));
-  return stable && free_border_.stable();
+                       stable_under(problem_at(state, system_.solve_exactly(system_.border().columns).motions_m),
+                                    state.constraint_multipliers));
+  return stable && system_.free_border().stable();
 }
 
 SoftModes NewtonSolver::soft_modes(const NewtonState& state) {
-  if (!has_factor_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return {};
-  const int vectors = std::clamp(factor().negative_pivots() + 2, kVectors, kMostVectors);
+  if (!system_.has_factor_at(state, 0.0, nullptr) && !system_.linearise(state, 0.0, nullptr, false)) return {};
+  const int vectors = std::clamp(system_.negative_pivots() + 2, kVectors, kMostVectors);
   Eigen::MatrixXd border_solved, sums;
   Eigen::PartialPivLU<Eigen::MatrixXd> schur;
   if (constraint_count() > 0) {
-    border_solved = solve_exactly(border_).motions_m;
+    border_solved = system_.solve_exactly(system_.border().columns).motions_m;
     const MultiplierProblem problem = problem_at(state, border_solved);
     sums = active_sums(problem, state.constraint_multipliers);
     if (sums.cols() > 0) schur.compute(sums.transpose() * problem.delassus * sums);
   }
   // How the body yields to loads, where it keeps to the active constraints.
   const auto yield = [&](const Eigen::MatrixXd& loads_n) {
-    Eigen::MatrixXd motions = solve_exactly(loads_n).motions_m;
+    Eigen::MatrixXd motions = system_.solve_exactly(loads_n).motions_m;
     if (sums.cols() > 0)
-      motions -= border_solved * sums * schur.solve(sums.transpose() * (border_.transpose() * motions));
+      motions -=
+          border_solved * sums * schur.solve(sums.transpose() * (system_.border().columns.transpose() * motions));
     return motions;
   };
   const Eigen::VectorXd masses_kg = body_.node_masses_kg().transpose().replicate<3, 1>().reshaped();

@@ -49,7 +49,7 @@ AuditResult Audit::iterate(const ReducedState& state, const Eigen::VectorXd* acc
   NewtonState at{start_m,
                  reduced_.basis.pressures * state.at.pressures,
                  state.at.multipliers,
-                 Eigen::VectorXd::Zero(newton_->friction_contact_count()),
+                 Eigen::VectorXd::Zero(newton_->tables().friction_contact_count()),
                  std::make_shared<const DriveStates>(state.drives),
                  contact_at(start_m, state)};
   Eigen::Matrix3Xd predicted_m;

@@ -14,6 +14,15 @@ double work_j(const Eigen::Matrix3Xd& forces_n, const Eigen::Matrix3Xd& way_m) {
   return forces_n.cwiseProduct(way_m).sum();
 }
 
+// That cables' friction takes by the state's slips.
+double slipped_j(const NewtonTables& tables, const NewtonState& state) {
+  double sum_j = 0.0;
+  for (std::size_t j = 0; j < tables.shared.size(); ++j)
+    sum_j += state.slips_m[static_cast<Eigen::Index>(j)] * (state.constraint_multipliers[tables.shared[j].first] -
+                                                            state.constraint_multipliers[tables.shared[j].second]);
+  return sum_j;
+}
+
 }  // namespace
 
 EnergyKeeper::EnergyKeeper(const SimulationParts& parts) {
@@ -24,7 +33,7 @@ EnergyKeeper::EnergyKeeper(const SimulationParts& parts) {
   }
   const SimulationState& now = parts.state;
   take_stock(parts, {now.positions_m, now.velocities_m_s, now.contact.free, now.free_velocities},
-             parts.workspace.newton.elastic_energy_j(now.positions_m));
+             parts.workspace.newton.energies().elastic_energy_j(now.positions_m));
   start_j_ = stored_j();
 }
 
@@ -36,7 +45,7 @@ void EnergyKeeper::take_stock(const SimulationParts& parts, Motion at, double el
   ledger_.kinetic_j = 0.5 * body.node_masses_kg().dot(known_.velocities_m_s.colwise().squaredNorm().transpose());
   ledger_.elastic_j = elastic_j;
   ledger_.loads_j = -body.dead_loads_n().cwiseProduct(moved_m).sum();
-  ledger_.gravity_j = -parts.workspace.newton.loads_n().cwiseProduct(moved_m).sum() - ledger_.loads_j;
+  ledger_.gravity_j = -parts.workspace.newton.energies().loads.all_n().cwiseProduct(moved_m).sum() - ledger_.loads_j;
   if (free.count() == 0) return;
   ledger_.kinetic_j += free_kinetic_j(free, known_.free, known_.free_velocities);
   FreeColumns weights = FreeColumns::Zero(3, 2 * free.count());
@@ -50,7 +59,7 @@ void EnergyKeeper::notice_rescue(const SimulationParts& parts, const SimulationS
   const double known_j = stored_j();
   const double elastic_j = now.positions_m == known_.positions_m
                                ? ledger_.elastic_j
-                               : parts.workspace.newton.elastic_energy_j(now.positions_m);
+                               : parts.workspace.newton.energies().elastic_energy_j(now.positions_m);
   take_stock(parts, {now.positions_m, now.velocities_m_s, now.contact.free, now.free_velocities}, elastic_j);
   ledger_.rescues_j += stored_j() - known_j;
   reactions_n_.resize(3, 0);
@@ -75,14 +84,14 @@ void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState&
                   (ledger_.elastic_j - old.elastic_j) + (end.work.viscous_j + end.drag_j - material_j);
   for (std::size_t i = 0; i < end.work.values.size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
-    const double change = end.work.values[i] - parts.workspace.newton.constraint_value(
-                                                   static_cast<int>(i), before.positions_m, state.drives);
+    const double change =
+        end.work.values[i] - parts.workspace.newton.tables().constraints[i].value(before.positions_m, state.drives);
     const double taken_j = 0.5 * (before.constraint_multipliers[index] + state.constraint_multipliers[index]) * change;
     (gas_[i] ? ledger_.gas_j : ledger_.actuators_j) -= taken_j;
     rule_j += end.work.pulls_j[i] - taken_j;
   }
   ledger_.actuators_j -= end.work.driven_j;
-  const double capstans_j = parts.workspace.newton.slipped_j(state);
+  const double capstans_j = slipped_j(parts.workspace.newton.tables(), state);
   ledger_.actuators_j += capstans_j;
   ledger_.friction_j += capstans_j + end.work.rubbed_j;
   ledger_.obstacles_j += end.work.rubbed_j - end.work.contact_j;

@@ -368,7 +368,7 @@ Reached walk_in_shorter_stages(SimulationParts& parts, const SimulationState& st
 }
 
 void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
-  if (parts.workspace.newton.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
+  if (parts.workspace.newton.energies().sums_at(parts.state.positions_m).inverted > 0) start_from_rest_shape(parts);
   SimulationState start;
   if (!parts.body.obstacles().empty()) start = parts.state;
   Reached reached = walk_along(parts, options, 1, report);

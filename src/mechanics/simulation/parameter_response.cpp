@@ -58,9 +58,9 @@ Eigen::MatrixXd parameter_motions(SimulationParts& parts, const std::vector<Mode
   const NewtonState state = parts.unknowns_at_step();
   NewtonSolver& solver = parts.workspace.newton;
   NewtonDrive drive{Eigen::MatrixXd::Zero(state.positions_m.size(), columns),
-                    Eigen::MatrixXd::Zero(solver.constraint_count(), columns),
-                    Eigen::MatrixXd::Zero(solver.constraint_count(), columns),
-                    Eigen::MatrixXd::Zero(solver.friction_contact_count(), columns)};
+                    Eigen::MatrixXd::Zero(solver.tables().constraint_count(), columns),
+                    Eigen::MatrixXd::Zero(solver.tables().constraint_count(), columns),
+                    Eigen::MatrixXd::Zero(solver.tables().friction_contact_count(), columns)};
   if (slipped_m.size() == 0) slipped_m = drive.log_ratios;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const ModelParameter& parameter = parameters[static_cast<std::size_t>(column)];
@@ -80,8 +80,8 @@ Eigen::MatrixXd marker_load_motions(SimulationParts& parts) {
   const NewtonState state = parts.unknowns_at_step();
   const auto columns = 3 * static_cast<Eigen::Index>(parts.markers.size());
   NewtonDrive drive{Eigen::MatrixXd::Zero(state.positions_m.size(), columns),
-                    Eigen::MatrixXd::Zero(solver.constraint_count(), columns),
-                    Eigen::MatrixXd::Zero(solver.constraint_count(), columns),
+                    Eigen::MatrixXd::Zero(solver.tables().constraint_count(), columns),
+                    Eigen::MatrixXd::Zero(solver.tables().constraint_count(), columns),
                     {}};
   drive.free_forces.setZero(6 * solver.contact().free().count(), columns);
   Eigen::Matrix3Xd forces_n(3, state.positions_m.cols());

@@ -16,7 +16,7 @@ bool commands_reached(const SimulationParts& parts) {
 }
 
 bool needs_new_factor(const SimulationParts& parts, const SolveReport& report) {
-  const auto& made = parts.workspace.newton.linearisation();
+  const auto& made = parts.workspace.newton.system().linearisation();
   if (!made || report.residual < constants::kMuchLeft * parts.options.dynamic_tolerance) return false;
   const Eigen::Matrix3Xd& here = parts.state.positions_m;
   return (made->at->positions_m - here).colwise().norm().maxCoeff() > constants::kFar * parts.body.size_m();
@@ -85,7 +85,7 @@ void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport
   if (!commands_reached(parts)) return;
   if (speed_m_s > constants::kSleepingSpeed_per_s * parts.body.size_m()) {
     if (!needs_new_factor(parts, report)) return;
-    parts.workspace.newton.restore(nullptr);
+    parts.workspace.newton.system().restore(nullptr);
     return;
   }
   NewtonState still = parts.unknowns_at_step(parts.options.time_step_s);

@@ -54,13 +54,13 @@ bool RestPath::bring_loads_slowly() {
 }
 
 RestPath::~RestPath() {
-  if (loads_come_slowly()) parts_.workspace.newton.add_loads(Eigen::Matrix3Xd::Zero(3, left_n_.cols()));
+  if (loads_come_slowly()) parts_.workspace.newton.loads().add(Eigen::Matrix3Xd::Zero(3, left_n_.cols()));
 }
 
 void RestPath::go_to(double share) {
   parts_.place_actuators(commands_, parts_.state.commands(), share);
   parts_.state.contact.time_s = time_s(share);
-  if (loads_come_slowly()) parts_.workspace.newton.add_loads((1.0 - share) * left_n_);
+  if (loads_come_slowly()) parts_.workspace.newton.loads().add((1.0 - share) * left_n_);
 }
 
 double RestPath::largest_way_m(double from, double to) const {

@@ -141,7 +141,7 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
 
 Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
   SimulationParts& p = *parts_;
-  const bool driven = p.workspace.newton.constraint_count() + p.workspace.newton.term_count() > 0;
+  const bool driven = p.workspace.newton.tables().constraint_count() + p.workspace.newton.tables().term_count() > 0;
   if (driven) require_rest(p);
   Eigen::MatrixXd multipliers;
   const Eigen::MatrixXd motions = p.workspace.newton.sensitivities(p.unknowns_at_step(), &multipliers);
@@ -195,8 +195,8 @@ void Simulation::pull(const std::vector<PointLoad>& loads) {
       forces_n.col(load.at.nodes[k]) += load.at.weights[k] * load.force_n;
     }
   }
-  parts_->workspace.newton.pull(forces_n);
-  if (parts_->workspace.xpbd) parts_->workspace.xpbd->take_loads(parts_->workspace.newton.loads_n());
+  parts_->workspace.newton.loads().pull(forces_n);
+  if (parts_->workspace.xpbd) parts_->workspace.xpbd->take_loads(parts_->workspace.newton.energies().loads.all_n());
   parts_->state.rest_residual.reset();
 }
 
@@ -205,7 +205,7 @@ const SimulationState& Simulation::state() const { return parts_->state; }
 
 // The state knows where the solver's factor was made, so that a copy of it goes on to the last bit.
 void Simulation::take_along_linearisation() {
-  if (!parts_->workspace.xpbd) parts_->state.linearisation = parts_->workspace.newton.linearisation();
+  if (!parts_->workspace.xpbd) parts_->state.linearisation = parts_->workspace.newton.system().linearisation();
 }
 
 void Simulation::set_state(const SimulationState& state) {
@@ -216,7 +216,7 @@ void Simulation::set_state(const SimulationState& state) {
   // A state may have been changed since it slept.
   std::optional<double>& residual = parts_->state.rest_residual;
   if (residual && (!state.velocities_m_s.isZero(0.0) || residual_at_rest(*parts_) != *residual)) residual.reset();
-  if (!parts_->workspace.xpbd) parts_->workspace.newton.restore(state.linearisation);
+  if (!parts_->workspace.xpbd) parts_->workspace.newton.system().restore(state.linearisation);
 }
 
 const std::shared_ptr<const Model>& Simulation::model() const { return parts_->model; }

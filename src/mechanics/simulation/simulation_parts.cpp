@@ -17,14 +17,14 @@ void SimulationParts::reset() {
   state.time_s = 0.0;
   state.positions_m = body.mesh().nodes_m;
   forget_motion();
-  state.element_multipliers_pa = Eigen::VectorXd::Zero(workspace.newton.element_multiplier_count());
-  state.constraint_multipliers = Eigen::VectorXd::Zero(workspace.newton.constraint_count());
+  state.element_multipliers_pa = Eigen::VectorXd::Zero(workspace.newton.tables().element_multiplier_count());
+  state.constraint_multipliers = Eigen::VectorXd::Zero(workspace.newton.tables().constraint_count());
   state.contact = workspace.newton.contact().untouched(state.positions_m, 0.0);
   state.free_velocities = workspace.newton.contact().free().velocities_at_start();
   state.element_forces_n = Eigen::VectorXd::Zero(workspace.xpbd ? workspace.xpbd->force_count() : 0);
   state.drives.clear();
   for (const auto& actuator : actuators) state.drives.push_back(actuator->rest_state());
-  workspace.newton.restore(nullptr);
+  workspace.newton.system().restore(nullptr);
   state.linearisation = nullptr;
 }
 
@@ -34,7 +34,7 @@ NewtonState SimulationParts::unknowns() const {
   return {std::move(positions_m),
           state.element_multipliers_pa,
           state.constraint_multipliers,
-          Eigen::VectorXd::Zero(workspace.newton.friction_contact_count()),
+          Eigen::VectorXd::Zero(workspace.newton.tables().friction_contact_count()),
           std::make_shared<const DriveStates>(state.drives),
           state.contact};
 }
@@ -82,8 +82,8 @@ void SimulationParts::forget_motion() {
   state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
   state.free_velocities.linear_m_s.setZero();
   state.free_velocities.angular_rad_s.setZero();
-  state.branch_stress_pa =
-      Eigen::VectorXd::Zero(body.viscosity().hysteresis_ratio > 0.0 ? workspace.newton.strain_count() : 0);
+  state.branch_stress_pa = Eigen::VectorXd::Zero(
+      body.viscosity().hysteresis_ratio > 0.0 ? workspace.newton.energies().springs.strain_count() : 0);
 }
 
 std::vector<double> SimulationParts::multipliers_of(std::size_t actuator) const {
@@ -143,7 +143,7 @@ bool SimulationParts::solve_or_go_back(const std::function<void(SolveReport&)>& 
     state = before;
     energy = energy_before;
     workspace.newton.abandon();
-    workspace.newton.restore(workspace.xpbd ? nullptr : before.linearisation);
+    workspace.newton.system().restore(workspace.xpbd ? nullptr : before.linearisation);
     if (workspace.xpbd) workspace.xpbd->abandon();
     report.converged = false;
     report.interrupted = true;
@@ -167,7 +167,7 @@ NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown
 }
 
 NewtonReport SimulationParts::solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
-  if (workspace.newton.friction_contact_count() > 0) return {};
+  if (workspace.newton.tables().friction_contact_count() > 0) return {};
   const std::shared_ptr<const FreeInertia> free_inertia = unknown.free_inertia;
   unknown = unknowns();
   unknown.free_inertia = free_inertia;

@@ -24,8 +24,8 @@ std::shared_ptr<const StrainTarget> dashpots_of(const SimulationParts& parts, do
   if (ratio == 0.0) return nullptr;
   const NewtonSolver& newton = parts.workspace.newton;
   return std::make_shared<const StrainTarget>(StrainTarget{2.0 * ratio * parts.body.material().lame_mu_pa(),
-                                                           newton.strains(started_m), ratio,
-                                                           newton.volumetric_strain(started_m)});
+                                                           newton.energies().springs.strains(started_m), ratio,
+                                                           newton.energies().sums_at(started_m).volumetric_strain});
 }
 
 // The residual is that of a body at rest or of the last substep.
@@ -194,7 +194,7 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
   parts.advance_actuators(parts.options.time_step_s);
   const std::vector<double> to = parts.state.actuated_commands();
   XpbdTask task = substepping(parts);
-  SubstepHysteresis hysteresis(parts.body, parts.workspace.newton.springs());
+  SubstepHysteresis hysteresis(parts.body, parts.workspace.newton.energies().springs);
   if (parts.body.viscosity().hysteresis_ratio > 0.0) task.hysteresis = &hysteresis;
   task.drives_at = [&](double fraction) {  // also a command without a speed limit takes the whole time step to arrive
     parts.place_actuators(from, to, fraction);

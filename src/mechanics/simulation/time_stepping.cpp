@@ -80,7 +80,7 @@ StepEnd end_of_step(SimulationParts& parts, const SimulationState& before, const
 void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
                  const FreeStep& free, NewtonState found, SimulationState before, bool solved) {
   SimulationState& state = parts.state;
-  state.branch_stress_pa = viscous.branch_stress_pa(parts.workspace.newton, found.positions_m);
+  state.branch_stress_pa = viscous.branch_stress_pa(parts.workspace.newton.energies(), found.positions_m);
   state.velocities_m_s = (found.positions_m - difference.positions_from_m) / difference.gamma_s;
   state.free_velocities = free.velocities(found.contact.free);
   if (parts.options.integrator == Integrator::tr_bdf2) {
@@ -145,7 +145,7 @@ enum class Outcome { taken, impact, failed };
 Outcome try_rule(SimulationParts& parts, double h, StepRule rule, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
   const BackwardDifference difference(before, h, rule);
-  const ViscousStep viscous(parts.body, parts.workspace.newton, before, difference, h);
+  const ViscousStep viscous(parts.body, parts.workspace.newton.energies(), before, difference, h);
   // M ((x - x~) / gamma^2 + a (x - x_from) / gamma) = c M (x - x_from - gamma v_from / c) / gamma^2 with c = 1 + a
   // gamma
   const double slowed = 1.0 + parts.body.viscosity().rayleigh_mass_per_s * difference.gamma_s;
@@ -161,7 +161,7 @@ Outcome try_rule(SimulationParts& parts, double h, StepRule rule, bool last_reso
   task.strain_target = viscous.strain_target();
   NewtonState unknown = predict(before, h, rule);
   parts.body.place_held_nodes(before.contact.time_s, unknown.positions_m);
-  unknown.slips_m = Eigen::VectorXd::Zero(parts.workspace.newton.friction_contact_count());
+  unknown.slips_m = Eigen::VectorXd::Zero(parts.workspace.newton.tables().friction_contact_count());
   unknown.drives = std::make_shared<const DriveStates>(parts.state.drives);
   const FreeStep free(parts.workspace.newton.contact().free(), before, difference);
   unknown.contact.free = free.predicted();
@@ -224,9 +224,10 @@ bool knows_accelerations(SimulationParts& parts) {
   SimulationState& state = parts.state;
   if (state.accelerations_m_s2.cols() > 0) return true;
   const NewtonSolver& newton = parts.workspace.newton;
-  if (state.previous_step_s > 0.0 || newton.inverted_elements(state.positions_m) > 0) return false;
-  const NewtonForces forces = newton.forces(parts.unknowns(), viscosity_now(parts.body, newton, state));
-  Eigen::Matrix3Xd net_n = newton.loads_n() - forces.elastic_n - forces.viscous_n - forces.contact_n - forces.driven_n;
+  if (state.previous_step_s > 0.0 || newton.energies().sums_at(state.positions_m).inverted > 0) return false;
+  const NewtonForces forces = newton.forces(parts.unknowns(), viscosity_now(parts.body, newton.energies(), state));
+  Eigen::Matrix3Xd net_n =
+      newton.energies().loads.all_n() - forces.elastic_n - forces.viscous_n - forces.contact_n - forces.driven_n;
   for (const Eigen::Matrix3Xd& pull_n : forces.pulls_n) net_n -= pull_n;
   state.accelerations_m_s2 = net_n * parts.body.node_masses_kg().cwiseInverse().asDiagonal() -
                              parts.body.viscosity().rayleigh_mass_per_s * state.velocities_m_s;

@@ -15,70 +15,73 @@ Strains combined(double a, const Strains& x, double b, const Strains& y) {
 
 // How the strain changes in a time at the velocity of now: strains are quadratic in the positions, so the central
 // difference is their rate to the last bit.
-Strains strain_change(const NewtonSolver& solver, const SimulationState& state, double time_s) {
+Strains strain_change(const NewtonEnergies& energies, const SimulationState& state, double time_s) {
   const Eigen::Matrix3Xd way_m = time_s * state.velocities_m_s;
-  return combined(0.5, solver.strains(state.positions_m + way_m), -0.5, solver.strains(state.positions_m - way_m));
+  return combined(0.5, energies.springs.strains(state.positions_m + way_m), -0.5,
+                  energies.springs.strains(state.positions_m - way_m));
 }
 
 // From where the strain comes, of which the rate is (E - from) / gamma.
-Strains strain_from(const NewtonSolver& solver, const SimulationState& state, const BackwardDifference& difference,
+Strains strain_from(const NewtonEnergies& energies, const SimulationState& state, const BackwardDifference& difference,
                     const Strains& start) {
-  if (difference.trapezoidal) return combined(1.0, start, 1.0, strain_change(solver, state, difference.gamma_s));
+  if (difference.trapezoidal) return combined(1.0, start, 1.0, strain_change(energies, state, difference.gamma_s));
   if (difference.weight_before == 0.0) return start;
-  return combined(difference.weight_now, start, -difference.weight_before, solver.strains(state.previous_positions_m));
+  return combined(difference.weight_now, start, -difference.weight_before,
+                  energies.springs.strains(state.previous_positions_m));
 }
 
 // The same of Jbar - 1, which is cubic: over a small part of the time.
-Eigen::VectorXd volume_change(const NewtonSolver& solver, const SimulationState& state, double time_s) {
+Eigen::VectorXd volume_change(const NewtonEnergies& energies, const SimulationState& state, double time_s) {
   constexpr double kPart = 1e-3;
   const Eigen::Matrix3Xd way_m = kPart * time_s * state.velocities_m_s;
-  return (solver.volumetric_strain(state.positions_m + way_m) - solver.volumetric_strain(state.positions_m - way_m)) /
+  return (energies.sums_at(state.positions_m + way_m).volumetric_strain -
+          energies.sums_at(state.positions_m - way_m).volumetric_strain) /
          (2.0 * kPart);
 }
 
-Eigen::VectorXd volume_from(const NewtonSolver& solver, const SimulationState& state,
+Eigen::VectorXd volume_from(const NewtonEnergies& energies, const SimulationState& state,
                             const BackwardDifference& difference) {
-  const Eigen::VectorXd start = solver.volumetric_strain(state.positions_m);
-  if (difference.trapezoidal) return start + volume_change(solver, state, difference.gamma_s);
+  const Eigen::VectorXd start = energies.sums_at(state.positions_m).volumetric_strain;
+  if (difference.trapezoidal) return start + volume_change(energies, state, difference.gamma_s);
   if (difference.weight_before == 0.0) return start;
   return difference.weight_now * start -
-         difference.weight_before * solver.volumetric_strain(state.previous_positions_m);
+         difference.weight_before * energies.sums_at(state.previous_positions_m).volumetric_strain;
 }
 
 }  // namespace
 
 // S = kappa (E - E*) = b 2 mu dE/dt + Q
-std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const NewtonSolver& solver,
+std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const NewtonEnergies& energies,
                                                   const SimulationState& state) {
   const Viscosity& viscosity = body.viscosity();
   if (!viscosity.of_strain()) return nullptr;
   auto springs = std::make_shared<StrainTarget>();
   springs->stiffness_pa = 2.0 * body.material().lame_mu_pa();
-  springs->target = solver.strains(state.positions_m);
+  springs->target = energies.springs.strains(state.positions_m);
   if (viscosity.rayleigh_stiffness_s > 0.0) {
     springs->target =
-        combined(1.0, springs->target, -1.0, strain_change(solver, state, viscosity.rayleigh_stiffness_s));
+        combined(1.0, springs->target, -1.0, strain_change(energies, state, viscosity.rayleigh_stiffness_s));
     springs->volume_ratio = 1.0;
-    springs->volume_from =
-        solver.volumetric_strain(state.positions_m) - volume_change(solver, state, viscosity.rayleigh_stiffness_s);
+    springs->volume_from = energies.sums_at(state.positions_m).volumetric_strain -
+                           volume_change(energies, state, viscosity.rayleigh_stiffness_s);
   }
   if (viscosity.hysteresis_ratio > 0.0)
     springs->target = combined(1.0, springs->target, -1.0 / springs->stiffness_pa, strains_of(state.branch_stress_pa));
   return springs;
 }
 
-ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const SimulationState& state,
+ViscousStep::ViscousStep(const Body& body, const NewtonEnergies& energies, const SimulationState& state,
                          const BackwardDifference& difference, double h) {
   const Viscosity& viscosity = body.viscosity();
   if (!viscosity.of_strain()) return;
   const double twice_mu_pa = 2.0 * body.material().lame_mu_pa();
-  const Strains start = solver.strains(state.positions_m);
+  const Strains start = energies.springs.strains(state.positions_m);
   auto strain_target = std::make_shared<StrainTarget>();
   if (viscosity.rayleigh_stiffness_s > 0.0) {
     strain_target->stiffness_pa = viscosity.rayleigh_stiffness_s * twice_mu_pa / difference.gamma_s;
-    strain_target->target = strain_from(solver, state, difference, start);
+    strain_target->target = strain_from(energies, state, difference, start);
     strain_target->volume_ratio = viscosity.rayleigh_stiffness_s / difference.gamma_s;
-    strain_target->volume_from = volume_from(solver, state, difference);
+    strain_target->volume_from = volume_from(energies, state, difference);
   }
   if (viscosity.hysteresis_ratio > 0.0) {
     const double steps = h / viscosity.relaxation_time_s;
@@ -94,9 +97,11 @@ ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const Sim
   strain_target_ = std::move(strain_target);
 }
 
-Eigen::VectorXd ViscousStep::branch_stress_pa(const NewtonSolver& solver, const Eigen::Matrix3Xd& positions_m) const {
+Eigen::VectorXd ViscousStep::branch_stress_pa(const NewtonEnergies& energies,
+                                              const Eigen::Matrix3Xd& positions_m) const {
   if (branch_from_.empty()) return {};
-  return numbers_of(combined(branch_stiffness_pa_, solver.strains(positions_m), -branch_stiffness_pa_, branch_from_));
+  return numbers_of(
+      combined(branch_stiffness_pa_, energies.springs.strains(positions_m), -branch_stiffness_pa_, branch_from_));
 }
 
 }  // namespace soft_robot_lab

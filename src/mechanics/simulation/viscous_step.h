@@ -12,20 +12,20 @@
 #include <memory>
 
 #include "mechanics/state/backward_difference.h"
-#include "mechanics/newton/newton_solver.h"
+#include "mechanics/newton/newton_energies.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/simulation_state.h"
 
 namespace soft_robot_lab {
 
 // The springs whose stress is that of viscosity in a state that moves; null where there is none.
-std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const NewtonSolver& solver,
+std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const NewtonEnergies& energies,
                                                   const SimulationState& state);
 
 class ViscousStep {
  public:
   // A step of length h from `state`; does nothing where the body has no viscosity of strain.
-  ViscousStep(const Body& body, const NewtonSolver& solver, const SimulationState& state,
+  ViscousStep(const Body& body, const NewtonEnergies& energies, const SimulationState& state,
               const BackwardDifference& difference, double h);
 
   const std::shared_ptr<const StrainTarget>& strain_target() const {
@@ -33,7 +33,7 @@ class ViscousStep {
   }  // null where there is none
 
   // The branch's stress at the end of the step, in the state's order; empty where there is no branch.
-  Eigen::VectorXd branch_stress_pa(const NewtonSolver& solver, const Eigen::Matrix3Xd& positions_m) const;
+  Eigen::VectorXd branch_stress_pa(const NewtonEnergies& energies, const Eigen::Matrix3Xd& positions_m) const;
 
  private:
   std::shared_ptr<const StrainTarget> strain_target_;

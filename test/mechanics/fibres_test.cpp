@@ -167,13 +167,13 @@ TEST(Fibres, ABeamDoesNotLockHoweverStiffItsThreadIs) {
   constexpr double kHeight_m = 0.003, kForce_n = 2e-4;
   const double silicone_n = kModulus_pa * kWidth_m * kWidth_m;
   for (const Eigen::Vector3i& cells : {Eigen::Vector3i(12, 2, 2), Eigen::Vector3i(20, 3, 3)})
-    for (const double ratio : {0.3, 10.0, 1e3, 1e5}) {
+    for (const double ratio : {0.3, 10.0, 1e3, 1e4}) {
       Body body = bar(cells);
       body.add_fibre(along_bar(0.0, kHeight_m, ratio * silicone_n));
       pull_end(body, {0, 0, kForce_n}, Eigen::Matrix3d::Identity());
       SolveReport report;
       const double sag_m = end_motion_m(std::move(body), Eigen::Matrix3d::Identity(), &report).z();
-      EXPECT_NEAR(sag_m / composite_sag_m(kForce_n, ratio * silicone_n, kHeight_m), 1.0, 0.05)
+      EXPECT_NEAR(sag_m / composite_sag_m(kForce_n, ratio * silicone_n, kHeight_m), 1.0, 0.02)
           << ratio << " " << cells.transpose() << ", iterations " << report.iterations;
     }
 }

@@ -152,7 +152,8 @@ bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& st
   Eigen::Map<Eigen::VectorXd> values(matrix_.block(0), size);
   matrix_.set_zero();
   if (convexity > 0.0) {
-    const Eigen::VectorXd cancelling = (elements_.mu_pa().array() * (1.0 - volumetric_strain.array())).matrix();
+    Eigen::VectorXd cancelling = (elements_.mu_pa().array() * (1.0 - volumetric_strain.array())).matrix();
+    cancelling.tail(elements_.fibre_count()) = state.element_multipliers_pa.tail(elements_.fibre_count());
     elements_.add_hessian(state.positions_m, cancelling, true, matrix_);
     if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, true, matrix_);
     terms_.add_hessian(state.positions_m, state.drives, true, matrix_);

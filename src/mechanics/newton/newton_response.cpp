@@ -228,8 +228,7 @@ Eigen::Matrix3Xd NewtonSolver::reaction_forces_n(const NewtonState& state) const
 
 double NewtonSolver::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const {
   const ElementSums sums = sums_at(positions_m);
-  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  return terms_.add_stored_gradient(positions_m, unused) + sums.elastic_energy + volumetric_energy_j(sums);
+  return sums.elastic_energy + volumetric_energy_j(sums);
 }
 
 Eigen::Matrix3Xd NewtonSolver::volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,
@@ -244,9 +243,8 @@ NewtonForces NewtonSolver::forces(const NewtonState& state,
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   NewtonForces all{none, none, none, none, 0.0, 0.0, {}, {}, {}};
   const ElementSums sums = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
-  all.elastic_j =
-      terms_.add_stored_gradient(state.positions_m, all.elastic_n) + sums.elastic_energy + volumetric_energy_j(sums);
-  terms_.add_driven_gradient(state.positions_m, state.drives, all.driven_n);
+  all.elastic_j = sums.elastic_energy + volumetric_energy_j(sums);
+  terms_.add_gradient(state.positions_m, state.drives, all.driven_n);
   if (strain_target) {
     springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
     all.viscous_n += volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
@@ -287,9 +285,7 @@ StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<cons
   Eigen::Matrix3Xd forces_n;
   all.elastic_energy_j = sums.elastic_energy + volumetric_energy_j(sums);
   if (!terms_.empty()) {
-    all.elastic_energy_j += terms_.add_stored_gradient(state.positions_m, forces_n = none);
-    if (!known) net_n += forces_n;  // their work is elastic
-    terms_.add_driven_gradient(state.positions_m, state.drives, forces_n = none);
+    terms_.add_gradient(state.positions_m, state.drives, forces_n = none);
     all.driven_j = take(forces_n);
   }
   if (strain_target) {

@@ -7,7 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "box_mesh.h"
-#include "mechanics/elements/fibre_term.h"
+#include "mechanics/elements/elements.h"
+#include "mechanics/elements/volume_patches.h"
 #include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
@@ -15,25 +16,6 @@ namespace {
 
 constexpr double kModulus_pa = 1e5, kLength_m = 0.1, kWidth_m = 0.01;
 const Eigen::Matrix<bool, 3, 1> kAllAxes = Eigen::Matrix<bool, 3, 1>::Constant(true);
-
-// Collects a Hessian densely; every clique is the nodes of an element.
-class DenseHessian : public CliqueSink {
- public:
-  DenseHessian(std::vector<Clique> cliques, Eigen::Index nodes)
-      : matrix(Eigen::MatrixXd::Zero(3 * nodes, 3 * nodes)), cliques_(std::move(cliques)) {}
-  void add_outer(int, const std::vector<double>&, const Eigen::Matrix3d&) override { FAIL(); }
-  void add_dense(int index, const Eigen::MatrixXd& dense) override {
-    const Clique& nodes = cliques_[static_cast<std::size_t>(index)];
-    for (std::size_t a = 0; a < nodes.size(); ++a)
-      for (std::size_t b = 0; b < nodes.size(); ++b)
-        matrix.block<3, 3>(3 * nodes[a], 3 * nodes[b]) +=
-            dense.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(b));
-  }
-  Eigen::MatrixXd matrix;
-
- private:
-  std::vector<Clique> cliques_;
-};
 
 // Along x, held at x = 0, all of it turned about the origin.
 Body bar(const Eigen::Vector3i& cells, const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity(),
@@ -85,43 +67,46 @@ Eigen::Matrix3Xd shaken(const Body& body, double by_m) {
   return body.mesh().nodes_m + by_m * Eigen::Matrix3Xd::Random(3, body.mesh().node_count());
 }
 
+Eigen::VectorXd tensions_of(const Elements& elements, const Eigen::Matrix3Xd& at_m) {
+  Eigen::Matrix3Xd unused = 0.0 * at_m;
+  const Eigen::VectorXd strain =
+      elements.add_gradient(at_m, Eigen::VectorXd::Zero(elements.multiplier_count()), unused).volumetric_strain;
+  return elements.lambda_pa().cwiseProduct(strain);
+}
+
+double energy_j(const Elements& elements, const Eigen::Matrix3Xd& at_m) {
+  Eigen::Matrix3Xd unused = 0.0 * at_m;
+  const ElementSums sums = elements.add_gradient(at_m, Eigen::VectorXd::Zero(elements.multiplier_count()), unused);
+  return sums.elastic_energy + 0.5 * elements.sum_of_squares(elements.lambda_pa(), sums.volumetric_strain);
+}
+
+Eigen::Matrix3Xd gradient_n(const Elements& elements, const Eigen::Matrix3Xd& at_m) {
+  Eigen::Matrix3Xd gradient = 0.0 * at_m;
+  elements.add_gradient(at_m, tensions_of(elements, at_m), gradient);
+  return gradient;
+}
+
 TEST(Fibres, GradientAndHessianAreDerivativesOfTheEnergy) {
   Body body = bar({2, 1, 1});
   body.add_fibre({"slanting", {{{0.01, -0.003, 0.002}, {0.06, 0.004, -0.001}, {0.09, 0, 0}}}, 5.0, false});
   body.add_fibre(along_bar(0.002, 0.003, 2.0, Eigen::Matrix3d::Identity(), true));
-  const FibreTerm term(body);
-  const Eigen::Matrix3Xd at_m = shaken(body, 5e-4);
-  Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, at_m.cols());
-  term.add_gradient(at_m, {}, gradient);
-  DenseHessian hessian(term.cliques(), at_m.cols());
-  term.add_hessian(at_m, {}, false, hessian);
+  BlockMatrix matrix(body.mesh().node_count(), stiffness_cliques(body));
+  Elements elements(body, matrix);
+  ASSERT_GT(elements.fibre_count(), 5);
+  const Eigen::Matrix3Xd at_m = shaken(body, 5e-4), gradient = gradient_n(elements, at_m);
+  matrix.set_zero();
+  elements.add_hessian(at_m, tensions_of(elements, at_m), false, matrix);
   constexpr double kStep_m = 1e-7;
   for (Eigen::Index i = 0; i < at_m.size(); i += 5) {
-    Eigen::Matrix3Xd more = at_m, less = at_m, rise = 0.0 * gradient, fall = 0.0 * gradient;
+    Eigen::Matrix3Xd more = at_m, less = at_m, way = 0.0 * at_m;
     more.data()[i] += kStep_m;
     less.data()[i] -= kStep_m;
-    const double energy_j = term.add_gradient(more, {}, rise) - term.add_gradient(less, {}, fall);
-    EXPECT_NEAR(energy_j / (2 * kStep_m), gradient.data()[i], 1e-6 * gradient.norm());
-    const Eigen::Matrix3Xd change = (rise - fall) / (2 * kStep_m);
-    EXPECT_LT((hessian.matrix.col(i) - Eigen::Map<const Eigen::VectorXd>(change.data(), change.size())).norm(),
-              1e-5 * hessian.matrix.norm());
+    way.data()[i] = 1.0;
+    EXPECT_NEAR((energy_j(elements, more) - energy_j(elements, less)) / (2 * kStep_m), gradient.data()[i],
+                1e-5 * gradient.norm());
+    const Eigen::Matrix3Xd change = (gradient_n(elements, more) - gradient_n(elements, less)) / (2 * kStep_m);
+    EXPECT_LT((matrix.multiply(way) - change).norm(), 1e-5 * change.norm());
   }
-}
-
-TEST(Fibres, AProjectedHessianHasNoNegativeEigenvalue) {
-  Body body = bar({2, 1, 1});
-  body.add_fibre(along_bar(0.002, 0.003, 2.0));
-  const FibreTerm term(body);
-  const Eigen::Matrix3Xd pushed_m = 0.9 * body.mesh().nodes_m;
-  double least[2];
-  for (const bool convex : {false, true}) {
-    DenseHessian hessian(term.cliques(), pushed_m.cols());
-    term.add_hessian(pushed_m, {}, convex, hessian);
-    const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(hessian.matrix).eigenvalues();
-    least[convex] = eigenvalues.minCoeff() / eigenvalues.maxCoeff();
-  }
-  EXPECT_LT(least[0], -1e-3);
-  EXPECT_GT(least[1], -1e-12);
 }
 
 TEST(Fibres, AThreadThatCannotPushHasNoForceWhenItIsShort) {
@@ -167,13 +152,13 @@ TEST(Fibres, ABeamDoesNotLockHoweverStiffItsThreadIs) {
   constexpr double kHeight_m = 0.003, kForce_n = 2e-4;
   const double silicone_n = kModulus_pa * kWidth_m * kWidth_m;
   for (const Eigen::Vector3i& cells : {Eigen::Vector3i(12, 2, 2), Eigen::Vector3i(20, 3, 3)})
-    for (const double ratio : {0.3, 10.0, 1e3, 1e5}) {
+    for (const double ratio : {0.3, 10.0, 1e3, 1e4}) {
       Body body = bar(cells);
       body.add_fibre(along_bar(0.0, kHeight_m, ratio * silicone_n));
       pull_end(body, {0, 0, kForce_n}, Eigen::Matrix3d::Identity());
       SolveReport report;
       const double sag_m = end_motion_m(std::move(body), Eigen::Matrix3d::Identity(), &report).z();
-      EXPECT_NEAR(sag_m / composite_sag_m(kForce_n, ratio * silicone_n, kHeight_m), 1.0, 0.05)
+      EXPECT_NEAR(sag_m / composite_sag_m(kForce_n, ratio * silicone_n, kHeight_m), 1.0, 0.02)
           << ratio << " " << cells.transpose() << ", iterations " << report.iterations;
     }
 }

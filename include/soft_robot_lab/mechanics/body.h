@@ -101,7 +101,7 @@ class Body {
   void set_linear_volume(LinearVolume volume);
 
   // Its threads go with the elements that they lie in; what lies outside by less than a tenth of an element with the
-  // nearest one. Throws std::invalid_argument: linear elements, a stiffness that is not above 0, a line of one point,
+  // nearest one. Throws std::invalid_argument: linear elements, a stiffness out of (0, 1e5] N, a line of one point,
   // too many pieces, and a line that leaves the body, with the place.
   void add_fibre(Fibre fibre);
 

@@ -18,9 +18,10 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kOutside = 0.1;    // of an element's edge: how far a thread may lie beside the body
-constexpr double kShortest = 1e-9;  // of a piece, in shares of it
-constexpr double kSameWay = 0.7;    // cosine between threads that have one mean stretch
+constexpr double kOutside = 0.1;     // of an element's edge: how far a thread may lie beside the body
+constexpr double kShortest = 1e-9;   // of a piece, in shares of it
+constexpr double kSameWay = 0.7;     // cosine between threads that have one mean stretch
+constexpr double kStiffest_n = 1e5;  // a steel wire of 0.8 mm
 constexpr std::size_t kMostPieces = 200000;
 
 // A line's way through an element.
@@ -170,9 +171,10 @@ void check(const TetMesh& mesh, const Fibre& fibre) {
   const std::string whose = "fibre '" + fibre.name + "': ";
   if (!mesh.quadratic())
     throw std::invalid_argument(whose + "in linear elements it locks; set body.element: quadratic");
-  if (!(fibre.axial_stiffness_n > 0.0) || !std::isfinite(fibre.axial_stiffness_n)) {
+  if (!(fibre.axial_stiffness_n > 0.0 && fibre.axial_stiffness_n <= kStiffest_n)) {
     std::ostringstream message;
-    message << whose << "axial_stiffness_n is " << fibre.axial_stiffness_n << "; allowed: above 0";
+    message << whose << "an axial stiffness of " << fibre.axial_stiffness_n << " N is out of range (0, " << kStiffest_n
+            << "]";
     throw std::invalid_argument(message.str());
   }
   std::size_t pieces = 0;

@@ -140,6 +140,11 @@ ElementTables::ElementTables(const Body& body, const BlockPattern& matrix)
     for (int q = 0; q < batches.point_count; ++q)
       element_volumes[e] += batches.weights[static_cast<std::size_t>(e / kLanes) * batches.point_count + q][e % kLanes];
   if (body.linear_volume() == LinearVolume::vertex_averaged) patches.emplace(batches, element_volumes, matrix);
+  volumes = element_volumes;
+  if (body.fibre_groups().empty()) return;
+  fibres.emplace(body, matrix);
+  volumes.conservativeResize(count + fibres->count());
+  volumes.tail(fibres->count()) = fibres->lengths_m();
 }
 
 Elements::Elements(std::shared_ptr<const ElementTables> tables)
@@ -154,7 +159,11 @@ Elements::Elements(std::shared_ptr<const ElementTables> tables)
   const Eigen::Index multipliers = rest_volumes_m3().size();
   lambda_pa_.resize(multipliers);
   mu_pa_.resize(multipliers);
-  for (Eigen::Index i = 0; i < multipliers; ++i) {
+  if (fibre_count() > 0) {
+    lambda_pa_.tail(fibre_count()) = tables_->fibres->stiffnesses_n();
+    mu_pa_.tail(fibre_count()) = tables_->fibres->soft_stiffnesses_n();
+  }
+  for (Eigen::Index i = 0; i < multipliers - fibre_count(); ++i) {
     const std::size_t slot = patches_ ? 0 : static_cast<std::size_t>(i);
     lambda_pa_[i] = batches_.lambda_pa[slot / kLanes][slot % kLanes];
     mu_pa_[i] = batches_.mu_pa[slot / kLanes][slot % kLanes];
@@ -169,7 +178,7 @@ void Elements::set_lambda_pa(const Eigen::VectorXd& lambda_pa) {
 }
 
 double Elements::sum_of_squares(const Eigen::VectorXd& factors, const Eigen::VectorXd& c) const {
-  if (tables_->one_material) return factors[0] * c.cwiseAbs2().dot(rest_volumes_m3());
+  if (tables_->one_material && !tables_->fibres) return factors[0] * c.cwiseAbs2().dot(rest_volumes_m3());
   return factors.cwiseProduct(c.cwiseAbs2()).dot(rest_volumes_m3());
 }
 
@@ -179,7 +188,7 @@ ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eige
   const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(multipliers) : Eigen::VectorXd();
   const double* p = patches_ ? averaged.data() : multipliers.data();
   ElementSums sums;
-  sums.volumetric_strain.resize(count_);
+  sums.volumetric_strain.resize(count_ + fibre_count());
   const auto add = [&](const auto& laws) {
     if (batches_.node_count == 10)
       quadratic_gradients(all, laws.data(), positions.data(), p, forces.data(), &sums);
@@ -187,6 +196,9 @@ ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eige
       linear_gradients(all, laws.data(), positions.data(), p, forces.data(), &sums);
   };
   std::visit(add, batches_.laws);
+  if (tables_->fibres)
+    tables_->fibres->add_gradient(positions, multipliers.data() + count_, forces, sums.elastic_energy,
+                                  sums.volumetric_strain.data() + count_);
   if (patches_)
     sums.volumetric_strain =
         patches_->on_vertices(sums.volumetric_strain.cwiseProduct(element_volumes_)).cwiseQuotient(rest_volumes_m3());
@@ -214,9 +226,14 @@ void Elements::add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::Vecto
   };
   std::visit(add, batches_.laws);
   if (patches_) patches_->add_hessian(volume_gradients_, lambda_pa_[0], matrix);
+  if (tables_->fibres)
+    tables_->fibres->add_hessian(positions, lambda_pa_.data() + count_, multipliers.data() + count_, convex, matrix,
+                                 fibre_gradients_);
 }
 
 void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const {
+  if (tables_->fibres)
+    tables_->fibres->add_forces(fibre_gradients_, lambda_pa_.cwiseProduct(mismatch).tail(fibre_count()), forces);
   const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(mismatch) : Eigen::VectorXd();
   const Eigen::VectorXd& of_elements = patches_ ? averaged : mismatch;
   for (int element = 0; element < count_; ++element) {
@@ -232,7 +249,8 @@ void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matri
 
 Eigen::VectorXd Elements::updated_multipliers(const Eigen::VectorXd& volumetric_strain,
                                               const Eigen::Matrix3Xd& step) const {
-  Eigen::VectorXd change(count_);  // of V0 Jbar
+  Eigen::VectorXd change(count_ + fibre_count());  // of V0 Jbar
+  if (tables_->fibres) change.tail(fibre_count()) = tables_->fibres->changes(fibre_gradients_, step);
   for (int element = 0; element < count_; ++element) {
     const int batch = element / kLanes, lane = element % kLanes;
     double sum = 0.0;

@@ -4,7 +4,8 @@
 // the quadrature points, whose rest volumes are w; only the volumetric part is averaged:
 //   sum_q w Psi(F)  +  lambda/2 V0 (Jbar - 1)^2,   Jbar = sum_q w J / V0
 // The multiplier p stands for lambda (Jbar - 1) and is condensed element by element. Linear elements may instead share
-// their volume with their vertices, which then have the multipliers (volume_patches.h).
+// their volume with their vertices, which then have the multipliers (volume_patches.h). After these come the tensions
+// of the body's fibres, which are elastic like them (fibre_multipliers.h).
 #pragma once
 
 #include <memory>
@@ -15,6 +16,7 @@
 
 #include "mechanics/linear_algebra/block_matrix.h"
 #include "element_batches.h"
+#include "fibre_multipliers.h"
 #include "mechanics/material/material_law.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "volume_patches.h"
@@ -27,14 +29,14 @@ struct ElementSums {
   int inverted = 0;             // elements with det F <= 0 at a quadrature point
   int worst_element = -1;       // the one with the smallest det F
   double smallest_determinant = 1.0;
-  Eigen::VectorXd volumetric_strain;  // per multiplier: Jbar - 1
+  Eigen::VectorXd volumetric_strain;  // per multiplier: Jbar - 1, or of a fibre t(e)
 };
 
 // What never changes of the elements of a body, and where they are in its matrices.
 struct ElementTables {
   ElementTables(const Body& body, const BlockPattern& matrix);
 
-  const Eigen::VectorXd& rest_volumes_m3() const { return patches ? patches->volumes_m3() : element_volumes; }
+  const Eigen::VectorXd& rest_volumes_m3() const { return patches ? patches->volumes_m3() : volumes; }
 
   int count;
   bool one_material;
@@ -42,6 +44,8 @@ struct ElementTables {
   std::vector<int> slots;           // per batch: pair (a >= b) x lanes, slots of the matrix
   Eigen::VectorXd element_volumes;  // V0 = sum w [m^3]
   std::optional<VolumePatches> patches;
+  std::optional<FibreMultipliers> fibres;
+  Eigen::VectorXd volumes;  // of elements, then the lengths of fibres [m]
 };
 
 class Elements {
@@ -60,9 +64,14 @@ class Elements {
                    BlockMatrix& matrix);
 
   // With those of another add_hessian, or with none yet.
-  void exchange_volume_gradients(Batches& other) {
-    if (other.empty()) other.resize(volume_gradients_.size());
-    volume_gradients_.swap(other);
+  struct VolumeGradients {
+    Batches of_elements;
+    FibreMultipliers::Gradients of_fibres;
+  };
+  void exchange_volume_gradients(VolumeGradients& other) {
+    if (other.of_elements.empty()) other.of_elements.resize(volume_gradients_.size());
+    volume_gradients_.swap(other.of_elements);
+    std::swap(fibre_gradients_, other.of_fibres);
   }
 
   // Adds lambda c grad(V0 Jbar): what condensation of the multipliers adds to the gradient where c = Jbar - 1 - p /
@@ -81,10 +90,11 @@ class Elements {
   // sum of factor c^2 V0 over the multipliers.
   double sum_of_squares(const Eigen::VectorXd& factors, const Eigen::VectorXd& c) const;
 
-  // What each multiplier stands for: an element's rest volume or a vertex's.
+  // What each multiplier stands for: an element's rest volume or a vertex's, or a fibre's length.
   const Eigen::VectorXd& rest_volumes_m3() const { return tables_->rest_volumes_m3(); }
   int multiplier_count() const { return static_cast<int>(rest_volumes_m3().size()); }
   int count() const { return count_; }
+  Eigen::Index fibre_count() const { return tables_->fibres ? tables_->fibres->count() : 0; }  // the last multipliers
   const ElementBatches& batches() const { return batches_; }
   const std::vector<int>& slots() const { return slots_; }
   const Eigen::VectorXd& lambda_pa() const { return lambda_pa_; }  // per multiplier
@@ -102,9 +112,10 @@ class Elements {
   const std::vector<int>& slots_;
   const Eigen::VectorXd& element_volumes_;
   const std::optional<VolumePatches>& patches_;
-  Eigen::VectorXd lambda_pa_, mu_pa_;  // alike for all vertices where these have the multipliers
-  Batches lambdas_;                    // per batch: what the kernels condense with
-  Batches volume_gradients_;           // per batch: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
+  Eigen::VectorXd lambda_pa_, mu_pa_;            // alike for all vertices where these have the multipliers
+  Batches lambdas_;                              // per batch: what the kernels condense with
+  Batches volume_gradients_;                     // per batch: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
+  FibreMultipliers::Gradients fibre_gradients_;  // of the same
 };
 
 }  // namespace soft_robot_lab

@@ -9,7 +9,7 @@
 
 #include "mechanics/contact/contact_touch.h"
 #include "mechanics/contact/rigid_contact.h"
-#include "mechanics/linear_algebra/batches.h"
+#include "mechanics/elements/elements.h"
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/linear_algebra/block_matrix.h"
 #include "mechanics/state/newton_state.h"
@@ -21,7 +21,7 @@ struct KeptFactor {
   std::weak_ptr<const Linearisation> of;  // expired where no state can ask for it any more
   BlockMatrix matrix;
   BlockCholesky factor;
-  Batches volume_gradients;
+  Elements::VolumeGradients volume_gradients;
   Eigen::MatrixXd border, border_solved, delassus;
   std::vector<ContactTouch> touches;
   RigidTouches rigid_touches;

@@ -167,8 +167,9 @@ bool LinearSystem::linearise_blend(const NewtonState& state, double inertia_per_
   Eigen::Map<Eigen::VectorXd> values(matrix_.block(0), size);
   matrix_.set_zero();
   if (convexity > 0.0) {
-    const Eigen::VectorXd cancelling =
-        (energies_.elements.mu_pa().array() * (1.0 - volumetric_strain.array())).matrix();
+    const Elements& elements = energies_.elements;
+    Eigen::VectorXd cancelling = (elements.mu_pa().array() * (1.0 - volumetric_strain.array())).matrix();
+    cancelling.tail(elements.fibre_count()) = state.element_multipliers_pa.tail(elements.fibre_count());
     energies_.elements.add_hessian(state.positions_m, cancelling, true, matrix_);
     if (strain_target) energies_.springs.add_hessian(state.positions_m, *strain_target, true, matrix_);
     energies_.terms.add_hessian(state.positions_m, state.drives, true, matrix_);

@@ -21,8 +21,7 @@ double NewtonEnergies::volumetric_energy_j(const ElementSums& sums) const {
 
 double NewtonEnergies::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const {
   const ElementSums sums = sums_at(positions_m);
-  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  return terms.add_stored_gradient(positions_m, unused) + sums.elastic_energy + volumetric_energy_j(sums);
+  return sums.elastic_energy + volumetric_energy_j(sums);
 }
 
 Eigen::Matrix3Xd NewtonEnergies::volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,

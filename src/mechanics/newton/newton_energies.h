@@ -32,7 +32,7 @@ struct NewtonEnergies {
 
   Elements elements;
   StrainSprings springs;     // of viscosity
-  const EnergyTerms& terms;  // of fibres, and actuators' own
+  const EnergyTerms& terms;  // of actuators
   ContactTerm contact;
   bool soft_contact = false;  // regularised, while an energy is descended
   NodalLoads loads;

@@ -162,9 +162,8 @@ NewtonForces NewtonSolver::forces(const NewtonState& state,
   NewtonForces all{none, none, none, none, 0.0, 0.0, {}, {}, {}};
   const ElementSums sums =
       energies_.elements.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
-  all.elastic_j = energies_.terms.add_stored_gradient(state.positions_m, all.elastic_n) + sums.elastic_energy +
-                  energies_.volumetric_energy_j(sums);
-  energies_.terms.add_driven_gradient(state.positions_m, state.drives, all.driven_n);
+  all.elastic_j = sums.elastic_energy + energies_.volumetric_energy_j(sums);
+  energies_.terms.add_gradient(state.positions_m, state.drives, all.driven_n);
   if (strain_target) {
     energies_.springs.add_gradient(state.positions_m, *strain_target, all.viscous_n);
     all.viscous_n += energies_.volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
@@ -205,9 +204,7 @@ StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<cons
   Eigen::Matrix3Xd forces_n;
   all.elastic_energy_j = sums.elastic_energy + energies_.volumetric_energy_j(sums);
   if (!energies_.terms.empty()) {
-    all.elastic_energy_j += energies_.terms.add_stored_gradient(state.positions_m, forces_n = none);
-    if (!known) net_n += forces_n;  // their work is elastic
-    energies_.terms.add_driven_gradient(state.positions_m, state.drives, forces_n = none);
+    energies_.terms.add_gradient(state.positions_m, state.drives, forces_n = none);
     all.driven_j = take(forces_n);
   }
   if (strain_target) {

@@ -18,7 +18,7 @@ NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> co
     : body(body_in),
       constraints(std::move(constraints_in)),
       shared(std::move(shared_in)),
-      terms(body, std::move(terms_in)),
+      terms(std::move(terms_in)),
       layout(body, constraints),
       loads_n(body.external_forces_n()),
       force_floor_n(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),

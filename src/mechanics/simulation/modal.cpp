@@ -14,9 +14,7 @@
 
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/linear_algebra/block_matrix.h"
-#include "mechanics/elements/clique_adder.h"
 #include "mechanics/elements/elements.h"
-#include "mechanics/elements/fibre_term.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -44,12 +42,6 @@ BlockCholesky factor_of_rest_shape(const Body& body, double shift) {
   BlockMatrix matrix(mesh.node_count(), stiffness_cliques(body));
   Elements elements(body, matrix);
   elements.add_hessian(mesh.nodes_m, Eigen::VectorXd::Zero(elements.multiplier_count()), false, matrix);
-  if (!body.fibre_groups().empty()) {
-    const FibreTerm fibres(body);
-    const CliquePlaces places(matrix.pattern(), fibres.cliques());
-    CliqueAdder adder(matrix, places);
-    fibres.add_hessian(mesh.nodes_m, {}, false, adder);
-  }
   for (int node = 0; node < mesh.node_count(); ++node)
     matrix.add_to_diagonal(node, shift * body.node_masses_kg()[node]);
   matrix.hold(body.fixed());

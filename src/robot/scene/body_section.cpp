@@ -216,6 +216,7 @@ Body read_body(const YamlNode& scene, TetMesh mesh) {
   for (std::size_t i = 0; i < sections.size(); ++i) fix(scene, sections[i], static_cast<int>(i), body);
   for (const YamlNode& item : scene.optional_sequence("loads")) load(item, scene, body);
   body.set_gravity(scene.vector3_or("gravity_m_s2", body.gravity_m_s2()));
+  read_fibres(scene, body);
   return body;
 }
 

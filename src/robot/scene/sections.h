@@ -34,7 +34,8 @@ std::vector<YamlNode> materials_of(const YamlNode& body);                   // i
 // The number that says how stiff a material is: none beside a preset or a `stiffness_ratio`.
 std::optional<YamlNode> stated_modulus(const YamlNode& material);
 bool is_of_file(const YamlNode& body);  // whether its shape has numbers of a file, which `scale` multiplies
-Body read_body(const YamlNode& scene, TetMesh mesh);  // `body`, `bodies`, `loads`, gravity
+Body read_body(const YamlNode& scene, TetMesh mesh);  // `body`, `bodies`, `loads`, gravity, `fibres`
+void read_fibres(const YamlNode& scene, Body& body);  // `fibres`
 Material read_material(const YamlNode& node);         // `body.material`, or a file of presets
 std::vector<std::unique_ptr<Actuator>> read_actuators(
     const YamlNode& scene, const Body& body, const MeshLocator& locator,

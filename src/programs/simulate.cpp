@@ -10,6 +10,7 @@
 
 #include "load_with_bar.h"
 #include "robot/scene/parameters.h"
+#include "robot/scene/solve_watch.h"
 #include "settings/command_line.h"
 #include "settings/interrupted.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -40,19 +41,36 @@ void declare(CommandLine& app, Arguments& arguments) {
       "(the result is still written), 2 bad scene or arguments.");
 }
 
-// With a bar where it lasts longer than a second. Ctrl-C or SIGTERM ends it, also within a solve, and what was
-// simulated until then is written.
-RunReport run(Scene& scene) {
+double now_s() {
   using Clock = std::chrono::steady_clock;
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+// With a bar where it lasts longer than a second, and a line within each solve that does. Ctrl-C or SIGTERM ends it,
+// also within a solve, and what was simulated until then is written.
+RunReport run(Scene& scene) {
   heed_interrupts();
-  scene.simulation->set_interrupt(interrupted);
   std::optional<ProgressBar> bar;
-  const Clock::time_point start = Clock::now();
-  return run_scene(scene, [&](double fraction) {
-    if (!bar && fraction < 1.0 && Clock::now() - start > std::chrono::seconds(1)) bar.emplace("simulate");
-    if (bar) bar->show(fraction, "runs; Ctrl-C ends it and keeps what is done");
+  SolveWatch watch(*scene.simulation);
+  double done = 0.0;
+  const auto show = [&](const std::string& what) {
+    if (!bar) bar.emplace("simulate");
+    bar->show(done, what);
+  };
+  scene.simulation->set_interrupt([&] {
+    if (const std::optional<std::string> said = watch.say(now_s())) show(*said);
+    return interrupted();
+  });
+  const double start_s = now_s();
+  watch.begin(start_s);
+  const RunReport report = run_scene(scene, [&](double fraction) {
+    done = fraction;
+    watch.begin(now_s());
+    if (bar || (fraction < 1.0 && now_s() - start_s > 1.0)) show("runs; Ctrl-C ends it and keeps what is done");
     return !interrupted();
   });
+  scene.simulation->set_interrupt(interrupted);
+  return report;
 }
 
 int simulate(const Arguments& arguments) {

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "robot/scene/solve_watch.h"
+#include "settings/words.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 #include "settings/overrides_from.h"
 
@@ -52,6 +54,24 @@ TEST(ChamberRobots, HaveTheirVolumesAndComeToRest) {
   expect_rest("hollow_cuboid", {{"main", 2.36531e-5}});
   expect_rest("bubblefinger", {{"main", 1.9824e-5}});
   expect_rest("bubblebot", {{"a", 77.75e-6}, {"b", 77.75e-6}, {"c", 77.75e-6}});
+}
+
+TEST(SolveWatch, SaysToWhatChambersHaveComeEverLessOften) {
+  Scene scene = load("hollow_cuboid/robot");
+  Simulation& simulation = *scene.simulation;
+  simulation.set_command("main", 1.2);
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const ActuatorReading reading = simulation.actuator_state(0);
+  SolveWatch watch(simulation);
+  watch.begin(100.0);
+  EXPECT_EQ(watch.say(101.9), std::nullopt);
+  const std::string chamber = "main: " + format_fixed(1e-3 * *reading.gauge_pressure_pa, 2) + " kPa, volume +" +
+                              format_fixed(100.0 * (*reading.volume_m3 / *reading.initial_volume_m3 - 1.0), 0) + " %";
+  EXPECT_EQ(watch.say(102.0), "solves for 2 s; " + chamber + "; Ctrl-C ends it");
+  EXPECT_EQ(watch.say(102.7), std::nullopt);
+  EXPECT_EQ(watch.say(103.0), "solves for 3 s; " + chamber + "; Ctrl-C ends it");
+  watch.begin(103.0);
+  EXPECT_EQ(watch.say(104.5), std::nullopt);
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ MODEL = f"{BODY} mechanics/simulation"  # what other parts know of mechanics: no
 ROBOT = f"robot/casting robot/design robot/scene robot/rollouts {MODEL} mechanics/actuators mechanics/reduced geometry settings"
 PRODUCT = (f"session session/report control control/motion control/identification control/estimation {HARDWARE} {PERCEPTION}"
            f" {ROBOT}")
+ROS_BASE = "ros/base ros/messages"
+ROS_ROOMS = f"{ROS_BASE} ros/tracking ros/cameras ros/recording ros/display ros/simulator ros/controller"
 ALLOWED = {  # a row names only rows above it, so no circle can be written
     "settings": "",
     "geometry": "",
@@ -58,10 +60,21 @@ ALLOWED = {  # a row names only rows above it, so no circle can be written
     "study/experiments": f"study study/search session/report control control/identification {PERCEPTION} {ROBOT}",
     "study/charts": f"study session/report control/identification {ROBOT}",
     "study/rig": f"study study/experiments {PRODUCT}",
-    "ros": PRODUCT,
+    "ros/base": PRODUCT,
+    "ros/messages": f"ros/base {PRODUCT}",
+    "ros/tracking": f"{ROS_BASE} {PRODUCT}",
+    "ros/cameras": f"ros/tracking {ROS_BASE} {PRODUCT}",
+    "ros/recording": f"ros/tracking {ROS_BASE} {PRODUCT}",
+    "ros/display": f"{ROS_BASE} {PRODUCT}",
+    "ros/simulator": f"ros/display {ROS_BASE} {PRODUCT}",
+    "ros/controller": f"ros/recording {ROS_BASE} {PRODUCT}",
+    "ros/view": f"ros/display ros/base {PRODUCT}",
+    "ros/panel": f"ros/view ros/display {ROS_BASE} {PRODUCT}",
+    "ros/report": f"ros/tracking ros/cameras ros/recording ros/display {ROS_BASE} {PRODUCT}",
+    "ros/nodes": f"{ROS_ROOMS} {PRODUCT}",
     "python/core": f"study/robust control control/identification {ROBOT}",
     "programs": f"study study/sweeps study/workspace study/robust study/search study/experiments study/charts study/rig"
-                f" ros mechanics/linear_algebra {PRODUCT}",
+                f" {ROS_ROOMS} ros/report mechanics/linear_algebra {PRODUCT}",
 }
 # Installed headers of mechanics stand in one folder; which of its folders each belongs to.
 PUBLIC = {
@@ -101,13 +114,13 @@ def offences(file, quote, included):
         yield "Gmsh is GPL: only the program mesh_robot may include it"
     if included.startswith("simavr/") and part != "hardware/emulator":
         yield "simavr is GPL: only the program rig_emulator may include it"
-    if ROS.match(included):
-        if part not in ("ros", "programs"):
+    other = part_of(below_root(posixpath.dirname(inside), quote, included))
+    if other is None and ROS.match(included):
+        if part != "programs" and not part.startswith("ros/"):
             yield f"{part}/ may not know ROS"
         return
     if quote == '"' and installed and "/" in included and not included.startswith("soft_robot_lab/"):
         yield "an installed header may include only installed ones"
-    other = part_of(below_root(posixpath.dirname(inside), quote, included))
     if other not in (None, part, *ALLOWED[part].split()):
         yield f"{part}/ may include only {ALLOWED[part] or 'itself'}"
 

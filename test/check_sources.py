@@ -128,7 +128,7 @@ INSIDE = {  # no limits of what comes in
 TO_NUMBER = re.compile(r'\b(sto[dfil]\w*|strto\w+|ato[fil]|from_chars|sscanf)\(')
 READERS = {
     'src/settings/words.h': 'its callers', 'src/programs/mesher/read_vtk.cpp': 'the size of the file; check_mesh', 'src/mechanics/mesh/mesh_file.cpp': 'check_mesh',
-    'src/programs/mesher/msh_counts.cpp': 'compared with the lines that are there', 'src/ros/message_layout.cpp': 'definitions of messages',
+    'src/programs/mesher/msh_counts.cpp': 'compared with the lines that are there', 'src/ros/recording/message_layout.cpp': 'definitions of messages',
     'src/ros/panel/poses.cpp': 'two digits', 'src/hardware/emulator/control.cpp': 'the range of each word', 'src/hardware/testbench/testbench.cpp': 'two digits',
     'src/study/experiments/': 'overrides of a scene, and arguments of its own', 'src/study/charts/': 'overrides of a scene'}
 PARAMETERS = os.path.join('src', 'ros', 'nodes', 'read_parameter.h')

@@ -14,7 +14,7 @@
 #include "settings/interrupted.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
-#include "ros/recorded_session.h"
+#include "ros/recording/recorded_session.h"
 #include "session/rest_periods.h"
 
 namespace {

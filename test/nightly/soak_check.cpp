@@ -16,8 +16,8 @@
 
 #include "ros/process_of.h"
 #include "ros/session_ears.h"
-#include "ros/messages.h"
-#include "ros/topics.h"
+#include "ros/messages/messages.h"
+#include "ros/base/topics.h"
 #include "settings/quantile.h"
 
 namespace soft_robot_lab {

@@ -16,7 +16,7 @@
 #include "fuzz_rules.h"
 #include "bad_bytes.h"
 #include "guarded.h"
-#include "ros/recorded_session.h"
+#include "ros/recording/recorded_session.h"
 #include "session/rest_periods.h"
 #include "ros/report/session_report.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/camera_overlay.h"
+#include "ros/display/camera_overlay.h"
 
 #include <cmath>
 

@@ -11,7 +11,7 @@ import yaml
 
 
 def topics_of(root):
-    text = (root / "src/ros/topics.h").read_text()
+    text = (root / "src/ros/base/topics.h").read_text()
     return set(re.findall(r'= "([^"]+)";', text))
 
 

@@ -10,7 +10,7 @@
 #include <std_msgs/String.h>
 #include <visualization_msgs/Marker.h>
 
-#include "ros/topics.h"
+#include "ros/base/topics.h"
 #include "session_ears.h"
 
 namespace soft_robot_lab {

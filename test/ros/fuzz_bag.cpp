@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "fuzz_rules.h"
-#include "ros/recorded_session.h"
+#include "ros/recording/recorded_session.h"
 
 namespace soft_robot_lab {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/gap_meter.h"
+#include "ros/tracking/gap_meter.h"
 
 #include <cmath>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/log_text.h"
+#include "ros/base/log_text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tracker behind messages: drawn images of two cameras as realsense2_camera would send them.
-#include "ros/marker_tracking.h"
+#include "ros/tracking/marker_tracking.h"
 
 #include <cmath>
 #include <limits>
@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "ros/conversions.h"
-#include "ros/image_messages.h"
-#include "ros/tracker_parameters.h"
+#include "ros/messages/conversions.h"
+#include "ros/messages/image_messages.h"
+#include "ros/tracking/tracker_parameters.h"
 #include "perception/tracking/drawn_scene.h"
 
 namespace soft_robot_lab {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/message_limits.h"
+#include "ros/messages/message_limits.h"
 
 #include <cmath>
 #include <functional>

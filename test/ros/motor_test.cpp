@@ -19,7 +19,7 @@
 
 #include "process_of.h"
 #include "session_ears.h"
-#include "ros/topics.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

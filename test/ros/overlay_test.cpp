@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/overlay.h"
+#include "ros/display/overlay.h"
 
 #include <algorithm>
 #include <cmath>

@@ -30,10 +30,10 @@
 
 #include "hidden_rviz.h"
 #include "process_of.h"
-#include "ros/conversions.h"
-#include "ros/frames.h"
+#include "ros/messages/conversions.h"
+#include "ros/messages/frames.h"
 #include "ros/panel/panel_link.h"
-#include "ros/topics.h"
+#include "ros/base/topics.h"
 #include "session_ears.h"
 #include "settings/quantile.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/policy_request.h"
+#include "ros/controller/policy_request.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/publish_limit.h"
+#include "ros/base/publish_limit.h"
 
 #include <gtest/gtest.h>
 

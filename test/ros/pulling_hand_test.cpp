@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The law of the spring from the skin to the hand.
-#include "ros/pulling_hand.h"
+#include "ros/simulator/pulling_hand.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "mechanics/box_mesh.h"
-#include "ros/conversions.h"
+#include "ros/messages/conversions.h"
 
 namespace soft_robot_lab {
 namespace {

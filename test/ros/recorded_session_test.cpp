@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bags of sessions, and the page about them.
-#include "ros/recorded_session.h"
+#include "ros/recording/recorded_session.h"
 
 #include <filesystem>
 #include <fstream>
@@ -16,11 +16,11 @@
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/Marker.h>
 
-#include "ros/fit_service.h"
-#include "ros/frames.h"
-#include "ros/image_messages.h"
+#include "ros/controller/fit_service.h"
+#include "ros/messages/frames.h"
+#include "ros/messages/image_messages.h"
 #include "ros/report/session_report.h"
-#include "ros/tracker_parameters.h"
+#include "ros/tracking/tracker_parameters.h"
 #include "session/rest_periods.h"
 
 namespace soft_robot_lab {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/recorder_process.h"
+#include "ros/recording/recorder_process.h"
 
 #include <chrono>
 #include <filesystem>

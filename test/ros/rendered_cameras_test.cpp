@@ -20,8 +20,8 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "session_ears.h"
-#include "ros/conversions.h"
-#include "ros/topics.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/topics.h"
 #include "soft_robot_lab/perception/tracking/camera_model.h"
 
 namespace soft_robot_lab {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/rendered_rig.h"
+#include "ros/cameras/rendered_rig.h"
 
 #include <cmath>
 #include <stdexcept>

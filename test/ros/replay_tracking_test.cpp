@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A recording of a session whose recorder lost an image.
-#include "ros/replay_tracking.h"
+#include "ros/recording/replay_tracking.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -14,11 +14,11 @@
 #include <std_msgs/String.h>
 #include <unistd.h>
 
-#include "ros/conversions.h"
-#include "ros/image_messages.h"
-#include "ros/recorded_frames.h"
-#include "ros/topics.h"
-#include "ros/tracker_parameters.h"
+#include "ros/messages/conversions.h"
+#include "ros/messages/image_messages.h"
+#include "ros/recording/recorded_frames.h"
+#include "ros/base/topics.h"
+#include "ros/tracking/tracker_parameters.h"
 #include "perception/tracking/drawn_scene.h"
 
 namespace soft_robot_lab {

@@ -14,8 +14,8 @@
 #include <soft_robot_lab/MotorState.h>
 
 #include "session_ears.h"
-#include "ros/conversions.h"
-#include "ros/topics.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <visualization_msgs/Marker.h>
 
-#include "ros/messages.h"
+#include "ros/messages/messages.h"
 
 namespace soft_robot_lab {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/seen_robot.h"
+#include "ros/cameras/seen_robot.h"
 
 #include <cmath>
 #include <stdexcept>

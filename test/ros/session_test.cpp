@@ -26,9 +26,9 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "session_ears.h"
-#include "ros/latched_publisher.h"
-#include "ros/conversions.h"
-#include "ros/topics.h"
+#include "ros/base/latched_publisher.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/session_watch.h"
+#include "ros/recording/session_watch.h"
 
 #include <fstream>
 #include <string>

@@ -16,8 +16,8 @@
 #include <soft_robot_lab/UseSolver.h>
 #include <std_msgs/String.h>
 
-#include "ros/conversions.h"
-#include "ros/topics.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/topics.h"
 #include "session_ears.h"
 
 namespace soft_robot_lab {

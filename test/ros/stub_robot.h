@@ -15,8 +15,8 @@
 #include <std_msgs/String.h>
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
-#include "ros/conversions.h"
-#include "ros/topics.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/topics.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {

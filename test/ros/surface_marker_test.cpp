@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/surface_marker.h"
+#include "ros/display/surface_marker.h"
 
 #include <gtest/gtest.h>
 

@@ -16,11 +16,11 @@
 #include <visualization_msgs/InteractiveMarkerFeedback.h>
 #include <visualization_msgs/Marker.h>
 
-#include "ros/conversions.h"
-#include "ros/frames.h"
-#include "ros/messages.h"
-#include "ros/node_process.h"
-#include "ros/topics.h"
+#include "ros/messages/conversions.h"
+#include "ros/messages/frames.h"
+#include "ros/messages/messages.h"
+#include "ros/base/node_process.h"
+#include "ros/base/topics.h"
 #include "session_ears.h"
 #include "settings/quantile.h"
 

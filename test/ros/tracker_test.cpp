@@ -14,10 +14,10 @@
 #include <ros/ros.h>
 
 #include "session_ears.h"
-#include "ros/conversions.h"
-#include "ros/image_messages.h"
-#include "ros/topics.h"
-#include "ros/tracking_input.h"
+#include "ros/messages/conversions.h"
+#include "ros/messages/image_messages.h"
+#include "ros/base/topics.h"
+#include "ros/tracking/tracking_input.h"
 #include "perception/tracking/drawn_scene.h"
 
 namespace soft_robot_lab {

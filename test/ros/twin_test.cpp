@@ -8,8 +8,8 @@
 #include <std_srvs/Trigger.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "ros/conversions.h"
-#include "ros/topics.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/topics.h"
 #include "session_ears.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"

@@ -20,9 +20,9 @@
 #include <tf2/buffer_core.h>
 
 #include "process_of.h"
-#include "ros/conversions.h"
-#include "ros/frame_listener.h"
-#include "ros/topics.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/frame_listener.h"
+#include "ros/base/topics.h"
 #include "session_ears.h"
 
 namespace soft_robot_lab {

@@ -6,7 +6,7 @@
 #include "hardware/plant/same_commands.h"
 #include "perception/calibration/calibration.h"
 #include "perception/render/camera_setup.h"
-#include "ros/actuator_plugins.h"
+#include "ros/base/actuator_plugins.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 

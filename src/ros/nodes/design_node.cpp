@@ -13,12 +13,12 @@
 #include "robot/casting/cast_robot.h"
 #include "robot/casting/mould_plan.h"
 #include "robot/casting/verdict_page.h"
-#include "ros/actuator_plugins.h"
-#include "ros/conversions.h"
-#include "ros/latched_publisher.h"
-#include "ros/log_text.h"
-#include "ros/surface_marker.h"
-#include "ros/topics.h"
+#include "ros/base/actuator_plugins.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/latched_publisher.h"
+#include "ros/base/log_text.h"
+#include "ros/display/surface_marker.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

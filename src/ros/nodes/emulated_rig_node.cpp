@@ -12,9 +12,9 @@
 #include "hardware/motor/rig_settings.h"
 #include "hardware/plant/plant.h"
 #include "hardware/testbench/rig_control.h"
-#include "ros/log_text.h"
-#include "ros/motor_messages.h"
-#include "ros/topics.h"
+#include "ros/base/log_text.h"
+#include "ros/messages/motor_messages.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

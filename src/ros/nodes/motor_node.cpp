@@ -17,10 +17,10 @@
 #include "run_node.h"
 #include "hardware/motor/motor_driver.h"
 #include "hardware/motor/serial_port.h"
-#include "ros/log_text.h"
-#include "ros/message_limits.h"
-#include "ros/motor_messages.h"
-#include "ros/topics.h"
+#include "ros/base/log_text.h"
+#include "ros/messages/message_limits.h"
+#include "ros/messages/motor_messages.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

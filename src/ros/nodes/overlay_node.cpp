@@ -9,17 +9,17 @@
 
 #include "read_parameter.h"
 #include "run_node.h"
-#include "ros/camera_overlay.h"
-#include "ros/conversions.h"
-#include "ros/frame_listener.h"
-#include "ros/frames.h"
-#include "ros/gap_meter.h"
-#include "ros/image_messages.h"
-#include "ros/log_text.h"
-#include "ros/message_limits.h"
-#include "ros/overlay.h"
-#include "ros/stamps.h"
-#include "ros/topics.h"
+#include "ros/display/camera_overlay.h"
+#include "ros/messages/conversions.h"
+#include "ros/base/frame_listener.h"
+#include "ros/messages/frames.h"
+#include "ros/tracking/gap_meter.h"
+#include "ros/messages/image_messages.h"
+#include "ros/base/log_text.h"
+#include "ros/messages/message_limits.h"
+#include "ros/display/overlay.h"
+#include "ros/base/stamps.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

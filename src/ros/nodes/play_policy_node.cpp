@@ -13,9 +13,9 @@
 #include "session_client.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/control/policy.h"
-#include "ros/conversions.h"
-#include "ros/policy_request.h"
-#include "ros/topics.h"
+#include "ros/messages/conversions.h"
+#include "ros/controller/policy_request.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -18,10 +18,10 @@
 #include "session_client.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/control/optimiser.h"
-#include "ros/conversions.h"
-#include "ros/marker_frames.h"
+#include "ros/messages/conversions.h"
+#include "ros/messages/marker_frames.h"
 #include "session/rest_detector.h"
-#include "ros/topics.h"
+#include "ros/base/topics.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {

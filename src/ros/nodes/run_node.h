@@ -15,7 +15,7 @@
 #include <ros/ros.h>
 #include <unistd.h>
 
-#include "ros/node_process.h"
+#include "ros/base/node_process.h"
 #include "settings/outlast_launch.h"
 #include "require_master.h"
 

@@ -23,8 +23,8 @@
 #include "session_client.h"
 #include "settings/command_line.h"
 #include "settings/require_in_range.h"
-#include "ros/stamps.h"
-#include "ros/topics.h"
+#include "ros/base/stamps.h"
+#include "ros/base/topics.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {

@@ -10,10 +10,10 @@
 
 #include "read_parameter.h"
 #include "run_node.h"
-#include "ros/node_process.h"
-#include "ros/recorder_process.h"
-#include "ros/session_watch.h"
-#include "ros/topics.h"
+#include "ros/base/node_process.h"
+#include "ros/recording/recorder_process.h"
+#include "ros/recording/session_watch.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

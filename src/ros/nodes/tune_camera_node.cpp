@@ -15,9 +15,9 @@
 
 #include "read_parameter.h"
 #include "run_node.h"
-#include "ros/camera_driver.h"
-#include "ros/image_messages.h"
-#include "ros/tracking_input.h"
+#include "ros/cameras/camera_driver.h"
+#include "ros/messages/image_messages.h"
+#include "ros/tracking/tracking_input.h"
 #include "perception/calibration/ball_finder.h"
 #include "perception/calibration/camera_tuning.h"
 #include "settings/require_in_range.h"

@@ -15,8 +15,8 @@
 
 #include "read_parameter.h"
 #include "run_node.h"
-#include "ros/image_messages.h"
-#include "ros/tracking_input.h"
+#include "ros/messages/image_messages.h"
+#include "ros/tracking/tracking_input.h"
 #include "settings/write_file.h"
 #include "perception/tracking/colour_tuning.h"
 

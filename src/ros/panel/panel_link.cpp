@@ -19,9 +19,9 @@
 #include <visualization_msgs/Marker.h>
 #include <xmlrpcpp/XmlRpc.h>
 
-#include "ros/plasma.h"
-#include "ros/stamps.h"
-#include "ros/topics.h"
+#include "ros/display/plasma.h"
+#include "ros/base/stamps.h"
+#include "ros/base/topics.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -17,7 +17,7 @@
 #include <rviz/viewport_mouse_event.h>
 #include <soft_robot_lab/SkinPull.h>
 
-#include "ros/topics.h"
+#include "ros/base/topics.h"
 #include "ros/view/skin_display.h"
 
 namespace soft_robot_lab {

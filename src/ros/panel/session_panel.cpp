@@ -25,7 +25,7 @@
 #include "framing.h"
 #include "plain_text.h"
 #include "robot_choices.h"
-#include "ros/topics.h"
+#include "ros/base/topics.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/control/policy.h"
 

@@ -28,7 +28,7 @@
 
 #include "geometry/convex_hull.h"
 #include "plain_text.h"
-#include "ros/plasma.h"
+#include "ros/display/plasma.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ros/recorded_session.h"
+#include "ros/recording/recorded_session.h"
 #include "session/rest_periods.h"
 
 namespace soft_robot_lab {

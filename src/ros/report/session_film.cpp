@@ -14,8 +14,8 @@
 #include <rosbag/bag.h>
 #include <visualization_msgs/Marker.h>
 
-#include "ros/recorded_topics.h"
-#include "ros/topics.h"
+#include "ros/recording/recorded_topics.h"
+#include "ros/base/topics.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/perception/tracking/camera_model.h"
 

@@ -13,11 +13,11 @@
 #include <rosbag/view.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "ros/camera_overlay.h"
-#include "ros/frames.h"
-#include "ros/image_messages.h"
-#include "ros/recorded_topics.h"
-#include "ros/topics.h"
+#include "ros/display/camera_overlay.h"
+#include "ros/messages/frames.h"
+#include "ros/messages/image_messages.h"
+#include "ros/recording/recorded_topics.h"
+#include "ros/base/topics.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ros/recorded_session.h"
+#include "ros/recording/recorded_session.h"
 
 namespace soft_robot_lab {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ros/recorded_session.h"
+#include "ros/recording/recorded_session.h"
 #include "session/report/plot.h"
 
 namespace soft_robot_lab {

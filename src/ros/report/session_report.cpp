@@ -21,7 +21,7 @@
 #include "session_film.h"
 #include "session_pictures.h"
 #include "session_plots.h"
-#include "ros/recorded_session.h"
+#include "ros/recording/recorded_session.h"
 #include "session/report/html_page.h"
 #include "session/report/plot.h"
 #include "session/rest_periods.h"

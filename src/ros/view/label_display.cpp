@@ -26,7 +26,7 @@
 #include <rviz/view_manager.h>
 
 #include "hear_topic.h"
-#include "ros/overlay_names.h"
+#include "ros/display/overlay_names.h"
 #include "skin_display.h"
 
 namespace soft_robot_lab {

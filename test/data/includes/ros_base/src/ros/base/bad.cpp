@@ -1,0 +1,1 @@
+#include "ros/nodes/read_parameter.h"

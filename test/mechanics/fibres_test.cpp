@@ -109,15 +109,20 @@ TEST(Fibres, GradientAndHessianAreDerivativesOfTheEnergy) {
   }
 }
 
-TEST(Fibres, AThreadThatCannotPushHasNoForceWhenItIsShort) {
-  EXPECT_EQ(thread_law(0.01, true).tension, 0.01);
-  EXPECT_GT(thread_law(-0.01, true).tension, -1e-4);
-  EXPECT_EQ(thread_law(-0.01, false).tension, -0.01);
-  for (const double strain : {-3e-4, -1e-4, -5e-5, 0.0, 1e-4}) {
-    constexpr double kStep = 1e-9;
-    const ThreadLaw more = thread_law(strain + kStep, true), less = thread_law(strain - kStep, true);
-    EXPECT_NEAR((more.energy - less.energy) / (2 * kStep), thread_law(strain, true).tension, 1e-9);
-  }
+TEST(Fibres, AThreadThatCannotPushDoesNothingWhereItIsPushed) {
+  const auto end_m = [](double stiffness_n, bool only_tension, double force_n) {
+    Body body = bar({8, 2, 2});
+    for (const double y_m : {-0.0025, 0.0025})
+      body.add_fibre(along_bar(y_m, 0.0, stiffness_n, Eigen::Matrix3d::Identity(), only_tension));
+    pull_end(body, {force_n, 0, 0}, Eigen::Matrix3d::Identity());
+    return end_motion_m(std::move(body), Eigen::Matrix3d::Identity()).x();
+  };
+  const double silicone_n = kModulus_pa * kWidth_m * kWidth_m, push_n = -5e-4 * silicone_n;
+  const double alone_m = end_m(1e-9, false, push_n);
+  EXPECT_NEAR(end_m(100.0 * silicone_n, true, push_n), alone_m, 1e-6 * std::abs(alone_m));
+  EXPECT_LT(std::abs(end_m(100.0 * silicone_n, false, push_n)), 0.1 * std::abs(alone_m));
+  EXPECT_NEAR(end_m(100.0 * silicone_n, true, -push_n), end_m(100.0 * silicone_n, false, -push_n),
+              1e-4 * std::abs(alone_m));
 }
 
 TEST(Fibres, ABarIsAsStiffAsSiliconeAndThreadsTogether) {

@@ -197,7 +197,7 @@ ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eige
   };
   std::visit(add, batches_.laws);
   if (tables_->fibres)
-    tables_->fibres->add_gradient(positions, multipliers.data() + count_, forces, sums.elastic_energy,
+    tables_->fibres->add_gradient(positions, multipliers.data() + count_, forces,
                                   sums.volumetric_strain.data() + count_);
   if (patches_)
     sums.volumetric_strain =

@@ -29,7 +29,7 @@ struct ElementSums {
   int inverted = 0;             // elements with det F <= 0 at a quadrature point
   int worst_element = -1;       // the one with the smallest det F
   double smallest_determinant = 1.0;
-  Eigen::VectorXd volumetric_strain;  // per multiplier: Jbar - 1, or of a fibre t(e)
+  Eigen::VectorXd volumetric_strain;  // per multiplier: Jbar - 1, or of a fibre t
 };
 
 // What never changes of the elements of a body, and where they are in its matrices.

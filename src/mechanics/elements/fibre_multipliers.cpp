@@ -8,8 +8,6 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kBuckles = 1e-4;  // strain at which a thread that is pushed has given way
-
 // A group's chords at some positions.
 struct Chords {
   Eigen::Matrix3Xd ways;    // unit vectors
@@ -35,14 +33,6 @@ std::vector<Clique> cliques_of(const Body& body) {
 
 }  // namespace
 
-ThreadLaw thread_law(double strain, bool only_tension) {
-  if (!only_tension || strain >= 0.0) return {0.5 * strain * strain, strain, 1.0};
-  if (strain > -kBuckles)
-    return {strain * strain * (0.5 + strain / (6.0 * kBuckles)), strain * (1.0 + 0.5 * strain / kBuckles),
-            1.0 + strain / kBuckles};
-  return {-0.5 * kBuckles * strain - kBuckles * kBuckles / 6.0, -0.5 * kBuckles, 0.0};
-}
-
 FibreMultipliers::FibreMultipliers(const Body& body, const BlockPattern& matrix) : places_(matrix, cliques_of(body)) {
   const auto count = static_cast<Eigen::Index>(body.fibre_groups().size());
   lengths_m_.resize(count);
@@ -62,14 +52,13 @@ FibreMultipliers::FibreMultipliers(const Body& body, const BlockPattern& matrix)
 }
 
 void FibreMultipliers::add_gradient(const Eigen::Matrix3Xd& positions_m, const double* tensions_n,
-                                    Eigen::Matrix3Xd& forces_n, double& energy_j, double* strains) const {
+                                    Eigen::Matrix3Xd& forces_n, double* strains) const {
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     const Group& group = groups_[i];
     const auto index = static_cast<Eigen::Index>(i);
     const Chords chords = chords_of(group.weights, positions_m(Eigen::all, group.nodes), lengths_m_[index]);
-    const ThreadLaw law = thread_law(chords.lengths.sum() / lengths_m_[index] - 1.0, group.only_tension);
-    strains[i] = law.tension;
-    energy_j += stiffnesses_n_[index] * lengths_m_[index] * (law.energy - 0.5 * law.tension * law.tension);
+    const double strain = chords.lengths.sum() / lengths_m_[index] - 1.0;
+    strains[i] = taut(index, strain, tensions_n[i]) ? strain : 0.0;
     if (tensions_n[i] == 0.0) continue;
     const Eigen::Matrix3Xd along = chords.ways * group.weights.transpose();
     for (std::size_t a = 0; a < group.nodes.size(); ++a)
@@ -87,7 +76,8 @@ void FibreMultipliers::add_hessian(const Eigen::Matrix3Xd& positions_m, const do
     const Group& group = groups_[i];
     const auto index = static_cast<Eigen::Index>(i);
     const Chords chords = chords_of(group.weights, positions_m(Eigen::all, group.nodes), lengths_m_[index]);
-    const double slope = thread_law(chords.lengths.sum() / lengths_m_[index] - 1.0, group.only_tension).slope;
+    const double strain = chords.lengths.sum() / lengths_m_[index] - 1.0;
+    const double slope = taut(index, strain, tensions_n[i]) ? 1.0 : 0.0;
     const double tension_n = convex ? std::max(0.0, tensions_n[i]) : tensions_n[i];
     gradients.slopes[index] = slope;
     gradients.ways[i] = chords.ways * group.weights.transpose();

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Fibres as scene files describe them, against closed forms of tubes under pressure.
+#include <cmath>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "scene_files.h"
+#include "soft_robot_lab/mechanics/actuators/chamber.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kRadius_m = 0.01, kInside_m = 0.009, kOutside_m = 0.011;  // of threads and of the wall
+
+SceneOptions tube_options() {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  return options;
+}
+
+struct Tube {
+  std::string fibres;
+  double length_m = 0.06, size_m = 0.005, modulus_pa = 5000.0, pressure_pa = 2000.0, force_n = 0.0;
+};
+
+// A soft tube along z, closed by a stiff cap and held at the other end.
+std::string scene_of(const Tube& tube) {
+  const auto text = [](double number) { return std::to_string(number); };
+  const std::string from_cap = text(tube.length_m - 0.003), length = text(tube.length_m);
+  return R"(body:
+  solid:
+    difference:
+      - union:
+          - cylinder: {start_m: [0, 0, 0], end_m: [0, 0, )" +
+         from_cap +
+         "], radius_m: 0.011}\n          - {name: cap, material: {youngs_modulus_pa: 2.0e+6, poissons_ratio: "
+         "0.4}, cylinder: {start_m: [0, 0, " +
+         from_cap + "], end_m: [0, 0, " + length + R"(], radius_m: 0.011}}
+      - {name: cavity, cylinder: {start_m: [0, 0, 0.003], end_m: [0, 0, )" +
+         from_cap + "], radius_m: 0.009}}\n  element_size_m: " + text(tube.size_m) +
+         "\n  material: {youngs_modulus_pa: " + text(tube.modulus_pa) +
+         ", poissons_ratio: 0.499}\n  fixed: [{box: {min_m: [-1, -1, -1], max_m: [1, 1, 0.003001]}}]\nfibres:\n" +
+         tube.fibres +
+         "chambers: [{name: air, surface: cavity, command: gauge_pressure}]\nloads: [{box: {min_m: [-1, -1, " +
+         text(tube.length_m - 1e-6) + "], max_m: [1, 1, 1]}, force_n: [0, 0, " + text(tube.force_n) +
+         "]}]\nmarkers:\n  - {name: low, position_m: [0.011, 0, " + text(0.3 * tube.length_m) +
+         "]}\n  - {name: high, position_m: [0.011, 0, " + text(0.7 * tube.length_m) +
+         "]}\nrun: {commands: [{time_s: 0, air: " + text(tube.pressure_pa) + "}]}\n";
+}
+
+std::string braid(double angle_deg, double length_m) {
+  return "  - {name: braid, axial_stiffness_n: 2000, winding: {start_m: [0, 0, 0], end_m: [0, 0, " +
+         std::to_string(length_m) + "], radius_m: 0.01, angle_deg: " + std::to_string(angle_deg) +
+         ", threads: 24, crossed: true}}\n";
+}
+
+double strain_of(Simulation& simulation) {
+  const auto rest_m = [&](int marker) {
+    return simulation.markers()[static_cast<std::size_t>(marker)].rest_position_m();
+  };
+  return (simulation.marker_position(1) - simulation.marker_position(0)).norm() / (rest_m(1) - rest_m(0)).norm() - 1.0;
+}
+
+// Of its middle, away from the ends.
+double strain_of(const Tube& tube) {
+  const SceneFolder folder;
+  Scene scene = load_scene(folder.write("tube.yaml", scene_of(tube)), tube_options());
+  const RunReport report = run_scene(scene);
+  EXPECT_TRUE(report.solve.converged) << report.solve.message;
+  return strain_of(*scene.simulation);
+}
+
+// The tension of an ideal muscle (Tondu and Lopez 2000).
+double mckibben_n(double angle_rad, double pressure_pa, double strain) {
+  return pressure_pa * M_PI * kRadius_m * kRadius_m *
+         (3.0 / std::pow(std::tan(angle_rad), 2) * std::pow(1.0 + strain, 2) - 1.0 / std::pow(std::sin(angle_rad), 2));
+}
+
+// What its silicone adds: d/dl of a neo-Hookean wall that goes round with the threads.
+double wall_n(double angle_rad, double modulus_pa, double stretch) {
+  const double around = std::sqrt(1.0 - std::pow(stretch * std::cos(angle_rad), 2)) / std::sin(angle_rad);
+  const double slope = -stretch / std::pow(std::tan(angle_rad), 2) / around;
+  const double area_m2 = M_PI * (kOutside_m * kOutside_m - kInside_m * kInside_m);
+  return modulus_pa / (2.0 * 1.499) * area_m2 *
+         (stretch - std::pow(stretch, -3) * std::pow(around, -2) +
+          (around - std::pow(stretch, -2) * std::pow(around, -3)) * slope);
+}
+
+TEST(FibreScene, ATubeKeepsItsLengthWhereItsThreadsCrossAtTheMagicAngle) {
+  const auto strain_at = [](double angle_deg) {
+    Tube tube;
+    tube.fibres = braid(angle_deg, tube.length_m);
+    return strain_of(tube);
+  };
+  const double below = strain_at(52.0), above = strain_at(57.0);
+  EXPECT_LT(strain_at(45.0), -0.05);
+  EXPECT_GT(strain_at(65.0), 0.05);
+  EXPECT_LT(below, 0.0);
+  EXPECT_GT(above, 0.0);
+  const double angle_deg = 52.0 - below * 5.0 / (above - below), magic_deg = 180.0 / M_PI * std::atan(std::sqrt(2.0));
+  EXPECT_NEAR(angle_deg / magic_deg, 1.0, 0.02);
+}
+
+TEST(FibreScene, AMuscleContractsAsMcKibbensLawHasIt) {
+  constexpr double kAngle_rad = M_PI / 6.0;
+  for (const double force_n : {6.0, 4.5}) {
+    Tube tube;
+    tube.length_m = 0.16;
+    tube.modulus_pa = 10000.0;
+    tube.pressure_pa = 5000.0;
+    tube.force_n = force_n;
+    tube.fibres = braid(30.0, tube.length_m);
+    const double strain = strain_of(tube);
+    EXPECT_LT(strain, -0.04);
+    EXPECT_NEAR(force_n / (mckibben_n(kAngle_rad, tube.pressure_pa, strain) +
+                           wall_n(kAngle_rad, tube.modulus_pa, 1.0 + strain)),
+                1.0, 0.02)
+        << strain;
+  }
+}
+
+TEST(FibreScene, ATubeWithRingsBecomesLongerAndNotWider) {
+  Tube tube;
+  tube.modulus_pa = 20000.0;
+  tube.length_m = 0.08;
+  tube.fibres =
+      "  - {name: hoops, axial_stiffness_n: 2000, rings: {start_m: [0, 0, 0.001], end_m: [0, 0, 0.079], "
+      "radius_m: 0.01, spacing_m: 0.001}}\n";
+  const SceneFolder folder;
+  Scene scene = load_scene(folder.write("tube.yaml", scene_of(tube)), tube_options());
+  ASSERT_TRUE(run_scene(scene).solve.converged);
+  const double stretch = 1.0 + strain_of(*scene.simulation);
+  const double area_m2 = M_PI * (kOutside_m * kOutside_m - kInside_m * kInside_m);
+  // p dV = dW with the radius of the rings kept: plane strain of the wall.
+  const double wall_n = tube.modulus_pa / 2.998 * area_m2 * (stretch - std::pow(stretch, -3));
+  EXPECT_GT(stretch, 1.15);
+  EXPECT_NEAR(wall_n / (tube.pressure_pa * M_PI * kRadius_m * kRadius_m), 1.0, 0.02);
+  EXPECT_LT(scene.simulation->marker_position(0).head<2>().norm(), kOutside_m);
+}
+
+TEST(FibreScene, ATubeTurnedAndOnAnotherMeshDoesTheSame) {
+  Tube tube;
+  tube.fibres = braid(45.0, tube.length_m);
+  const double straight = strain_of(tube);
+  tube.size_m = 0.0065;
+  const SceneFolder folder;
+  const Scene scene = load_scene(folder.write("tube.yaml", scene_of(tube)), tube_options());
+  const Body& upright = scene.simulation->body();
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.1, Eigen::Vector3d(0.2, -0.9, 0.4).normalized()).matrix();
+  TetMesh mesh = upright.mesh();
+  mesh.nodes_m = turn * mesh.nodes_m;
+  std::vector<Material> materials;
+  for (std::size_t region = 0; region < mesh.regions.size(); ++region)
+    for (int tet = 0; tet < mesh.tet_count(); ++tet)
+      if (mesh.region_of(tet) == static_cast<int>(region)) {
+        materials.push_back(upright.material_of(tet));
+        break;
+      }
+  Body body(mesh, materials);
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    const Eigen::Array3d at_m = mesh.nodes_m.col(node);
+    if (upright.fixed()(0, node)) body.fix_nodes(at_m - 1e-9, at_m + 1e-9, {true, true, true});
+  }
+  for (Fibre fibre : upright.fibres()) {
+    for (auto& line : fibre.lines_m)
+      for (Eigen::Vector3d& point_m : line) point_m = turn * point_m;
+    body.add_fibre(std::move(fibre));
+  }
+  const MeshLocator locator(body.mesh());
+  auto chamber = std::make_unique<Chamber>();
+  chamber->initialise(YamlNode::parse("{name: air, surface: cavity, command: gauge_pressure}", "chamber"), body,
+                      locator);
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::move(chamber));
+  std::vector<Marker> markers;
+  for (const Marker& marker : scene.simulation->markers())
+    markers.emplace_back(marker.name(), turn * marker.rest_position_m(), body.mesh(), locator);
+  Simulation turned(std::move(body), std::move(actuators), std::move(markers), {});
+  turned.set_command("air", tube.pressure_pa);
+  ASSERT_TRUE(turned.solve_equilibrium().converged);
+  EXPECT_NEAR(strain_of(turned) / straight, 1.0, 0.03);
+}
+
+std::string message_of(const std::string& fibres) {
+  const SceneFolder folder;
+  Tube tube;
+  tube.fibres = fibres;
+  try {
+    load_scene(folder.write("tube.yaml", scene_of(tube)), tube_options());
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FibreScene, RefusesWhatCannotBe) {
+  const std::string around = "start_m: [0, 0, 0.01], end_m: [0, 0, 0.05], ";
+  for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
+           {"{name: a, axial_stiffness_n: 1, winding: {" + around + "radius_m: 0.01, pitch_m: 0}}", "pitch_m"},
+           {"{name: a, axial_stiffness_n: 1, winding: {" + around + "radius_m: 0, pitch_m: 0.01}}", "radius_m"},
+           {"{name: a, axial_stiffness_n: 1, winding: {" + around + "radius_m: 0.01}}", "pitch_m, angle_deg"},
+           {"{name: a, axial_stiffness_n: 1, winding: {" + around + "radius_m: 0.02, pitch_m: 0.01}}",
+            "leaves the body at"},
+           {"{name: a, axial_stiffness_n: 1, winding: {" + around + "radius_m: 0.01, pitch_m: 1.0e-7}}", "turns"},
+           {"{name: a, axial_stiffness_n: 1, winding: {" + around + "radius_m: 0.01, angle_deg: 90}}", "angle_deg"},
+           {"{name: a, axial_stiffness_n: 1, winding: {" + around + "around: skin, offset_m: 0.001, pitch_m: 0.01}}",
+            "unknown surface"},
+           {"{name: a, axial_stiffness_n: 1, rings: {" + around + "radius_m: 0.01, spacing_m: -1}}", "spacing_m"},
+           {"{name: a, axial_stiffness_n: 1, rings: {start_m: [0, 0, 0], end_m: [0, 0, 0], radius_m: 0.01, spacing_m: "
+            "1}}",
+            "end_m"},
+           {"{name: a, axial_stiffness_n: -1, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}", "axial_stiffness_n"},
+           {"{name: a, axial_stiffness_n: 1.0e+9, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}", "out of range"},
+           {"{name: a, axial_stiffness_n: .nan, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}", "axial_stiffness_n"},
+           {"{name: a, modulus_pa: 1.0e+9, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}", "diameter_m"},
+           {"{name: a, axial_stiffness_n: 1}", "must have one of"},
+           {"{name: a, axial_stiffness_n: 1, points_m: [[0.01, 0, 0.01]]}", "two points"},
+           {"{name: a, axial_stiffness_n: 1, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]], pitch: 1}", "pitch"}})
+    EXPECT_NE(message_of("  - " + text + "\n").find(said), std::string::npos) << text << "\n"
+                                                                              << message_of("  - " + text + "\n");
+}
+
+TEST(FibreScene, WindsAroundASurface) {
+  Tube tube;
+  tube.fibres =
+      "  - {name: a, modulus_pa: 1.0e+9, diameter_m: 0.0002, winding: {start_m: [0, 0, 0.01], end_m: [0, 0, 0.05], "
+      "around: "
+      "cavity, offset_m: 0.001, pitch_m: 0.01}}\n";
+  const SceneFolder folder;
+  const Scene scene = load_scene(folder.write("tube.yaml", scene_of(tube)), tube_options());
+  const Fibre& fibre = scene.simulation->body().fibres().at(0);
+  EXPECT_NEAR(fibre.axial_stiffness_n, 31.4159, 1e-3);
+  double length_m = 0.0;
+  for (const FibreGroup& group : scene.simulation->body().fibre_groups()) length_m += group.rest_length_m;
+  EXPECT_NEAR(length_m, 4.0 * std::hypot(2.0 * M_PI * kRadius_m, 0.01), 0.02 * length_m);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

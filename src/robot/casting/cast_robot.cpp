@@ -173,10 +173,10 @@ Surface surface_of_solid(const Solid& solid, double size_m, const MesherOptions&
 }
 
 std::vector<SheathPiece> pieces_on_shelves(const CastRobotFile& file) {
-  const CastRobot& robot = file.robot;
-  if (!file.settings.sheath.shelf || !can_lie_on_shelves(robot.sheaths, way_out(robot.surface, file.settings)))
-    return {};
-  return sheath_pieces(RayTree(robot.surface), robot.sheaths, file.settings.sheath.longest_slot_m);
+  if (!file.settings.sheath.shelf) return {};
+  const CastShape shape(file.robot.surface);
+  if (!can_lie_on_shelves(file.robot.sheaths, way_out(shape, file.settings))) return {};
+  return sheath_pieces(shape.tree, file.robot.sheaths, file.settings.sheath.longest_slot_m);
 }
 
 MouldHeights heights_along(const Surface& surface, const Eigen::Vector3d& direction) {
@@ -189,7 +189,7 @@ CastingVerdict check_casting(const CastRobotFile& file) {
   if (pieces.empty()) return check_casting(file.robot, file.settings);
   if (!file.solid) throw std::invalid_argument("casting.sheath.shelf: a body.mesh has no shelves");
   CastRobot robot = file.robot;
-  const Eigen::Vector3d direction = way_out(robot.surface, file.settings);
+  const Eigen::Vector3d direction = way_out(CastShape(robot.surface), file.settings);
   MouldHeights heights = heights_along(robot.surface, direction);
   heights.floor_m -= kBelow_m;
   const Solid solid = less_swept_sheaths(*file.solid, pieces, direction, heights, file.settings.sheath.clearance_m);

@@ -268,22 +268,24 @@ const CastingTest& CastingVerdict::test(const std::string& name) const {
   return *found;
 }
 
-Eigen::Vector3d way_out(const Surface& surface, const CastingSettings& settings) {
+Eigen::Vector3d way_out(const CastShape& shape, const CastingSettings& settings) {
   if (settings.direction) return without_noise(*settings.direction);
-  const std::vector<HullPlane> tops = find_tops(surface);
-  const std::optional<Eigen::Vector3d> best = best_direction(surface, tops);
-  return without_noise(best ? *best : least_blocked_direction(surface, tops));
+  const std::optional<Eigen::Vector3d> best = best_direction(shape.surface(), shape.tops);
+  return without_noise(best ? *best : least_blocked_direction(shape.surface(), shape.tops));
 }
 
 CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& settings) {
-  const RayTree whole(robot.surface);  // what sheaths run in
-  const Surface& surface = robot.shelved ? *robot.shelved : robot.surface;
-  const RayTree tree(surface);
+  const CastShape whole(robot.surface);  // what sheaths run in
+  const std::optional<CastShape> shelved =
+      robot.shelved ? std::optional<CastShape>(std::in_place, *robot.shelved) : std::nullopt;
+  const CastShape& shape = shelved ? *shelved : whole;
+  const RayTree& tree = shape.tree;
+  const Surface& surface = shape.surface();
   CastingVerdict verdict;
   verdict.judged = surface;
   verdict.direction_given = settings.direction.has_value();
-  verdict.direction = way_out(robot.surface, settings);
-  const Extraction out = verify_extraction(tree, find_tops(surface), verdict.direction);
+  verdict.direction = way_out(whole, settings);
+  const Extraction out = verify_extraction(shape, verdict.direction);
   verdict.blocked = out.blocked;
   const Thickness thickness = measure_thickness(tree, settings.min_thickness_m);
   verdict.thickness_m = thickness.of_facets;
@@ -293,8 +295,8 @@ CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& sett
       cavities_test(surface),
       thickness_test(thickness, settings.min_thickness_m),
       angles_test(measure_angles(surface, settings.notch_radius_m, settings.min_angle_deg), settings.min_angle_deg),
-      cables_test(robot, whole, settings),
-      ligaments_test(robot, whole, settings.sheath.wall_m),
+      cables_test(robot, whole.tree, settings),
+      ligaments_test(robot, whole.tree, settings.sheath.wall_m),
       shelves_test(robot, verdict.direction, settings.sheath),
       stretch_test(surface, verdict.direction, settings.max_stretch),
       suction_test(pockets, robot, settings),

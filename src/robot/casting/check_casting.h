@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "extraction.h"
 #include "ray_tree.h"
 #include "robot/design/casting_settings.h"
 #include "sheaths.h"
@@ -48,7 +49,7 @@ struct CastingVerdict {
 };
 
 // Unit: the settings' own, or the best, or that with the least skin in the way. Sheaths count as none.
-Eigen::Vector3d way_out(const Surface& surface, const CastingSettings& settings);
+Eigen::Vector3d way_out(const CastShape& shape, const CastingSettings& settings);
 
 CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& settings);
 

@@ -196,12 +196,12 @@ std::vector<HullPlane> find_tops(const Surface& surface) {
   return tops;
 }
 
-Extraction verify_extraction(const RayTree& tree, const std::vector<HullPlane>& tops,
-                             const Eigen::Vector3d& direction) {
+Extraction verify_extraction(const CastShape& shape, const Eigen::Vector3d& direction) {
+  const RayTree& tree = shape.tree;
   const Surface& surface = tree.surface();
   Extraction result;
   result.direction = direction;
-  const HullPlane* top = choose_top(tops, direction);
+  const HullPlane* top = choose_top(shape.tops, direction);
   if (top != nullptr) result.top_area_m2 = top->area_m2, result.top_normal = top->normal;
   const std::vector<char> in_top = members(top, surface);
   const double highest_m = (direction.transpose() * surface.vertices_m).maxCoeff();

@@ -21,6 +21,16 @@ struct HullPlane {
 // The largest first, those that no direction could use left out: a top must be as large as the robot's shadow.
 std::vector<HullPlane> find_tops(const Surface& surface);
 
+// A surface with what the rules ask of it again and again, made once.
+struct CastShape {
+  explicit CastShape(const Surface& surface) : tree(surface), tops(find_tops(surface)) {}  // keeps a reference
+
+  const Surface& surface() const { return tree.surface(); }
+
+  RayTree tree;
+  std::vector<HullPlane> tops;
+};
+
 struct Extraction {
   bool passed = false;
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit
@@ -35,7 +45,7 @@ struct Extraction {
 };
 
 // A direction is given, the top that leaves the least in the way is chosen. Facets of closed cavities do not count.
-Extraction verify_extraction(const RayTree& tree, const std::vector<HullPlane>& tops, const Eigen::Vector3d& direction);
+Extraction verify_extraction(const CastShape& shape, const Eigen::Vector3d& direction);
 
 // The direction with most draft of all sides. Nothing where none lets the robot out.
 std::optional<Eigen::Vector3d> best_direction(const Surface& surface, const std::vector<HullPlane>& tops);

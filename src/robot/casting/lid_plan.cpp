@@ -231,7 +231,7 @@ void add_pieces(const Layout& lay, const Filled& filled, const Solid& solid, Mou
 
 bool leaves(const Solid& solid, const CastRobotFile& file, const Vector3d& direction) {
   const Surface surface = surface_of_solid(solid, file.robot.surface.size_m(), file.mesher);
-  return verify_extraction(RayTree(surface), find_tops(surface), direction).passed;
+  return verify_extraction(CastShape(surface), direction).passed;
 }
 
 }  // namespace

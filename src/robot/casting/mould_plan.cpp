@@ -97,21 +97,20 @@ void lay_sheaths(const CastRobotFile& file, const Solid& solid, MouldPlan& plan)
   plan.cast = cast_on_shelves(solid, plan.sheaths, plan.direction, heights, file.settings.sheath.clearance_m);
 }
 
-MouldPlan plan_one_part(const CastRobotFile& file, const Solid& solid, const CastingVerdict& verdict) {
-  const CastRobot& robot = file.robot;
+MouldPlan plan_one_part(const CastRobotFile& file, const CastShape& robot, const Solid& solid,
+                        const CastingVerdict& verdict) {
   const CastingSettings& settings = file.settings;
-  const RayTree tree(robot.surface);
-  const Extraction out = verify_extraction(tree, find_tops(robot.surface), verdict.direction);
+  const Extraction out = verify_extraction(robot, verdict.direction);
   MouldPlan plan;
   plan.direction = verdict.direction;
   plan.top_area_m2 = out.top_area_m2;
   plan.frame = frame_along(exact_axis(out.top_normal, "the open top's normal"));
-  take_box(robot.surface, plan);
+  take_box(robot.surface(), plan);
   lay_sheaths(file, solid, plan);
   const Vector3d wall = Vector3d::Constant(settings.mould.wall_m);
   const Vector3d low = plan.low_m - wall, high = plan.high_m + Vector3d(wall.x(), wall.y(), 0);
   plan.block_volume_m3 = box_volume(low, high);
-  add_air_holes(tree, settings, plan);
+  add_air_holes(robot.tree, settings, plan);
   std::vector<Solid> parts{block(plan.frame, low, high), plan.cast};
   for (const AirHole& hole : plan.air_holes)
     parts.push_back(round_bar(hole.from_m, hole.to_m, settings.mould.air_hole_radius_m));
@@ -158,8 +157,7 @@ std::optional<double> parting_offset(const Surface& surface, const Vector3d& dir
 }
 
 // The parts of cores that stand on one half, up to the parting plane.
-void require_short_cores(const CastRobot& robot, const Parting& parting, const CastingSettings& settings) {
-  const RayTree tree(robot.surface);
+void require_short_cores(const RayTree& tree, const Parting& parting, const CastingSettings& settings) {
   for (const double sign : {1.0, -1.0}) {
     const Pockets found =
         find_pockets(tree, sign * parting.direction, settings.notch_radius_m, sign * parting.offset_m);
@@ -171,8 +169,7 @@ void require_short_cores(const CastRobot& robot, const Parting& parting, const C
   }
 }
 
-void require_no_pockets(const CastRobot& robot, const Vector3d& direction, const CastingSettings& settings) {
-  const RayTree tree(robot.surface);
+void require_no_pockets(const RayTree& tree, const Vector3d& direction, const CastingSettings& settings) {
   for (const double sign : {1.0, -1.0}) {
     const Pockets found = find_pockets(tree, sign * direction, settings.notch_radius_m);
     if (found.pockets.empty()) continue;
@@ -357,19 +354,19 @@ void require_room_for_spout(const Flanged& made, const MouldSettings& mould, con
   if (room < needed) throw NoMould("the block has no room for the spout's mouth; a smaller spout_radius_m may help");
 }
 
-MouldPlan plan_two_parts(const CastRobot& robot, const Solid& solid, const CastingSettings& settings) {
-  const Parting parting = find_parting(robot.surface, find_tops(robot.surface));
-  require_no_pockets(robot, parting.direction, settings);
-  require_short_cores(robot, parting, settings);
+MouldPlan plan_two_parts(const CastShape& robot, const Solid& solid, const CastingSettings& settings) {
+  const RayTree& tree = robot.tree;
+  const Parting parting = find_parting(robot);
+  require_no_pockets(tree, parting.direction, settings);
+  require_short_cores(tree, parting, settings);
   MouldPlan plan;
-  const RayTree tree(robot.surface);
   plan.two_part = true;
   plan.direction = parting.direction;
   plan.top_area_m2 = parting.top ? parting.top->area_m2 : 0;
   const Vector3d up = parting.top ? exact_axis(parting.top->normal, "the open top's normal") : best_up(tree, parting);
   plan.frame << parting.direction.cross(up), parting.direction, up;
   plan.parting_m = parting.offset_m;
-  take_box(robot.surface, plan);
+  take_box(robot.surface(), plan);
   plan.rim_m = plan.high_m.z() + (parting.top ? 0 : spout_height_m(settings.mould));
   add_channels(find_roofs(tree, plan.frame, plan.parting_m), solid, settings.mould, plan);
   const Flanged made = make_flanges(settings.mould, plan);
@@ -393,10 +390,10 @@ void require_printable(const MouldPlan& plan, const MouldSettings& mould) {
   }
 }
 
-void judge_one_part(const CastRobotFile& file, const Solid& solid, JudgedMould& judged) {
+void judge_one_part(const CastRobotFile& file, const CastShape& robot, const Solid& solid, JudgedMould& judged) {
   CastingTest made{"mould", true, {}, {}, "", "", ""};
   try {
-    judged.plan = plan_one_part(file, solid, judged.verdict);
+    judged.plan = plan_one_part(file, robot, solid, judged.verdict);
     require_printable(*judged.plan, file.settings.mould);
   } catch (const NoMould& reason) {
     judged.plan.reset();
@@ -439,7 +436,9 @@ bool fits_printer(Vector3d size_m, Vector3d room_m) {
   return (size_m.array() <= room_m.array() + 1e-9).all();
 }
 
-Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops) {
+Parting find_parting(const CastShape& robot) {
+  const Surface& surface = robot.surface();
+  const std::vector<HullPlane>& tops = robot.tops;
   std::optional<Parting> best;
   double least_m = INFINITY;
   for (int axis = 0; axis < 3; ++axis) {
@@ -463,9 +462,10 @@ Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops)
 
 JudgedMould judge_mould(const CastRobotFile& file, CastingVerdict verdict) {
   const Solid solid = robot_solid(file);
+  const CastShape robot(file.robot.surface);
   JudgedMould judged{std::move(verdict), std::nullopt};
   if (judged.verdict.castable) {
-    judge_one_part(file, solid, judged);
+    judge_one_part(file, robot, solid, judged);
   } else if (!reasons(judged.verdict, {"cavities", "extraction", "stretch", "suction", "aspect"}).empty()) {
     // No kind of mould mends what else fails.
   } else if (!judged.verdict.test("cavities").passed) {
@@ -475,7 +475,7 @@ JudgedMould judge_mould(const CastRobotFile& file, CastingVerdict verdict) {
   } else if (!judged.verdict.test("extraction").passed) {
     judge_kind(
         file, {"extraction", "two_part", "of two halves", file.settings.mould.allow_two_part},
-        [&] { return plan_two_parts(file.robot, solid, file.settings); }, judged);
+        [&] { return plan_two_parts(robot, solid, file.settings); }, judged);
   }
   return judged;
 }

@@ -72,7 +72,7 @@ struct Parting {
   double offset_m = 0;
   std::optional<HullPlane> top;  // at right angles to the direction, stays open for pouring; none: it needs a spout
 };
-Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops);
+Parting find_parting(const CastShape& robot);
 
 // What the programs say of a robot, and the mould that they make of it: none where the verdict is not castable.
 struct JudgedMould {

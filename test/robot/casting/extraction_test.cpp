@@ -15,8 +15,7 @@ namespace {
 const Eigen::Vector3d kUp = Eigen::Vector3d::UnitZ();
 
 Extraction verify(const Surface& surface, const Eigen::Vector3d& direction) {
-  const RayTree tree(surface);
-  return verify_extraction(tree, find_tops(surface), direction);
+  return verify_extraction(CastShape(surface), direction);
 }
 
 std::optional<Eigen::Vector3d> best(const Surface& surface) { return best_direction(surface, find_tops(surface)); }

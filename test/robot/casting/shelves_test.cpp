@@ -31,7 +31,7 @@ Surface meshed(const Solid& solid) {
 }
 
 bool leaves_upwards(const Surface& surface) {
-  return verify_extraction(RayTree(surface), find_tops(surface), kUp).passed;
+  return verify_extraction(CastShape(surface), kUp).passed;
 }
 
 // Two blocks of 30 x 20 x 20 mm on one plate, a gap between them; z is up.

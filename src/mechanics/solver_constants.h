@@ -9,8 +9,8 @@ namespace soft_robot_lab::constants {
 
 // --- Newton's method (newton/newton_solver.h)
 
-inline constexpr std::size_t kOldFactorSteps = 5;   // by an old factor between two new ones, in one solve
-inline constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
+inline constexpr std::size_t kFrozenFactorSteps = 5;  // by an old factor between two new ones, in one solve
+inline constexpr double kWorthwhileDecrease = 0.9;    // of the residual, by such a step
 // Residual of an equilibrium below which the last factor leads to it: each step by it leaves a tenth or less.
 inline constexpr double kNearRest = 1e-2;
 // Of a constraint in the merit function, over its stiffness 1 / |B' A^-1 B|. Where A has one negative eigenvalue, as in

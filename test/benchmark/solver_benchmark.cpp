@@ -86,7 +86,7 @@ struct Bar {
   }
 };
 
-void tell_size(benchmark::State& state, const Bar& bar) {
+void report_size(benchmark::State& state, const Bar& bar) {
   state.counters["nodes"] = bar.body.mesh().node_count();
   state.counters["elements"] = bar.body.mesh().tet_count();
 }
@@ -97,14 +97,14 @@ void Residual(benchmark::State& state) {
     bar.forces_n.setZero();
     benchmark::DoNotOptimize(bar.elements.add_gradient(bar.positions_m, bar.multipliers_pa, bar.forces_n));
   }
-  tell_size(state, bar);
+  report_size(state, bar);
   rate(state, "flop_per_s", kGradientFlops * bar.elements.count());
 }
 
 void Assembly(benchmark::State& state) {
   Bar bar(static_cast<int>(state.range(0)));
   for (auto _ : state) bar.assemble();
-  tell_size(state, bar);
+  report_size(state, bar);
   rate(state, "flop_per_s", kHessianFlops * bar.elements.count());
 }
 
@@ -112,7 +112,7 @@ void Factorisation(benchmark::State& state) {
   Bar bar(static_cast<int>(state.range(0)));
   for (auto _ : state)
     if (!bar.factor.factorise(bar.matrix)) state.SkipWithError("not positive definite");
-  tell_size(state, bar);
+  report_size(state, bar);
   rate(state, "flop_per_s", bar.factor.flops());
 }
 
@@ -125,7 +125,7 @@ void Solution(benchmark::State& state) {
     x.setOnes();
     bar.factor.solve(x);
   }
-  tell_size(state, bar);
+  report_size(state, bar);
   rate(state, "byte_per_s", 16.0 * static_cast<double>(bar.factor.factor_size()));
 }
 

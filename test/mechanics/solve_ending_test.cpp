@@ -20,7 +20,7 @@ TEST(SolveEnding, TellsWhereTheResidualAndTheInvertedElementsAre) {
   newton.worst_element = 11;  // of the second cell
   newton.smallest_determinant = -0.25;
   SolveReport report;
-  tell_end(newton, body, report);
+  report_end(newton, body, report);
   EXPECT_FALSE(report.converged);
   ASSERT_EQ(report.warnings.size(), 2u);
   EXPECT_EQ(report.warnings[0].kind, "residual_not_met");
@@ -34,7 +34,7 @@ TEST(SolveEnding, TellsWhereTheResidualAndTheInvertedElementsAre) {
   newton.converged = true;
   newton.inverted_elements = 0;
   newton.reason.clear();
-  tell_end(newton, body, report);
+  report_end(newton, body, report);
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_EQ(report.message, "");
 }

@@ -79,7 +79,7 @@ class RigSession : public testing::Test {
     EXPECT_EQ(truth.moving, (std::vector<std::uint8_t>{0, 0}));
   }
 
-  void tell_rig(const std::string& command) {
+  void report_rig(const std::string& command) {
     RigCommand::Request request;
     request.command = command;
     EXPECT_TRUE(ask<RigCommand>(node_, topics::rig_command, request).success);
@@ -96,14 +96,14 @@ class RigSession : public testing::Test {
 
 TEST_F(RigSession, HoldsWhenAMotorStallsAndPlaysAgainWhenItIsCleared) {
   expect_plays(0.95);
-  tell_rig("stall 1 on");
+  report_rig("stall 1 on");
   const auto stopped = finish(pull(0.8, 30.0));
   EXPECT_FALSE(stopped.success);
   EXPECT_NE(stopped.message.find("motor right: stall"), std::string::npos) << stopped.message;
   EXPECT_LT(stopped.duration_s, 30.0);
   expect_commands_are_held();
 
-  tell_rig("stall 1 off");
+  report_rig("stall 1 off");
   EXPECT_TRUE(ask<std_srvs::Trigger>(node_, topics::motor_clear).success);
   EXPECT_TRUE(ask<ZeroMotors>(node_, topics::motor_zero).success);
   expect_plays(1.0);

@@ -15,9 +15,9 @@ namespace {
 // Where cables stick and slip the gap is not smooth: at its least no step gains, however short.
 constexpr int kMostInVain = 4;
 
-class Teller : public ceres::IterationCallback {
+class Reporter : public ceres::IterationCallback {
  public:
-  Teller(const FitRequest& request, const std::function<double()>& gap_m) : request_(request), gap_m_(gap_m) {}
+  Reporter(const FitRequest& request, const std::function<double()>& gap_m) : request_(request), gap_m_(gap_m) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     const bool gained = summary.iteration == 0 || summary.step_is_successful;
     if (gained) rms_gap_m_ = gap_m_();  // else the last one looked at failed
@@ -81,16 +81,16 @@ FitEnd solve_fit(ceres::Problem& problem, ceres::LossFunctionWrapper& loss, cons
       if (*std::max_element(lengths.begin(), lengths.end()) <= outlier) break;
       loss.Reset(new ceres::HuberLoss(outlier), ceres::TAKE_OWNERSHIP);
     }
-    Teller teller(request, gap_m);
+    Reporter reporter(request, gap_m);
     ceres::Solver::Options options = solver_options(request);
-    options.callbacks = {&teller};
+    options.callbacks = {&reporter};
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
-    const bool in_vain = teller.in_vain() && !teller.cancelled();
+    const bool in_vain = reporter.in_vain() && !reporter.cancelled();
     end.converged = summary.termination_type == ceres::CONVERGENCE || in_vain;
     end.message = in_vain ? "No step gains any more." : summary.message;
     end.iterations += static_cast<int>(summary.iterations.size());
-    if (teller.cancelled()) break;
+    if (reporter.cancelled()) break;
   }
   return end;
 }

@@ -438,15 +438,15 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
     if (met && (!best || std::abs(met->place.gap_m) < std::abs(best->place.gap_m))) best = met;
   }
   if (!best || (!outside_too && !is_inside(*best))) return std::nullopt;
-  if (comes_from_elsewhere(face, *best, point_m, outward, positions_m)) return std::nullopt;
+  if (is_occluded(face, *best, point_m, outward, positions_m)) return std::nullopt;
   return gap_at(*best, positions_m);
 }
 
 bool SkinPairs::is_inside(const Meeting& met) const { return met.place.gap_m <= kJustOn * sizes_m_[met.face]; }
 
 // How deep it is behind a face says something only where it has come through that.
-bool SkinPairs::comes_from_elsewhere(int face, const Meeting& behind, const Eigen::Vector3d& point_m,
-                                     const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const {
+bool SkinPairs::is_occluded(int face, const Meeting& behind, const Eigen::Vector3d& point_m,
+                            const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const {
   if (behind.place.gap_m >= -kHeldOver * sizes_m_[behind.face]) return false;
   const std::vector<int>& others = in_reach_of(face);
   return std::any_of(others.begin(), others.end(), [&](int other) {

@@ -148,8 +148,8 @@ class SkinPairs {
   bool is_inside(const Meeting& met) const;  // or just on it
   // Whether a point of this face is behind another, but outside by skin that is nearer: as in front of the other side
   // of a wedge.
-  bool comes_from_elsewhere(int face, const Meeting& behind, const Eigen::Vector3d& point_m,
-                            const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const;
+  bool is_occluded(int face, const Meeting& behind, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                   const Eigen::Matrix3Xd& positions_m) const;
   bool is_outside(int other, const Meeting& behind, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                   const Eigen::Matrix3Xd& positions_m) const;
   std::optional<Meeting> meeting(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,

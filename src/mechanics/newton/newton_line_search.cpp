@@ -82,7 +82,7 @@ bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonS
                      part_allowed(step.motion_m)});
   for (int halving = 0; halving <= constants::kLineSearchHalvings; ++halving, length *= 0.5) {
     NewtonState trial = state;
-    trial.positions_m = tables_->warp().follow(state.positions_m, length * step.motion_m);
+    trial.positions_m = tables_->co_rotation().follow(state.positions_m, length * step.motion_m);
     trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);
     trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
     trial.slips_m += length * (step.slips_m - state.slips_m);

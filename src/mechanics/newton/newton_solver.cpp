@@ -15,7 +15,7 @@ namespace soft_robot_lab {
 namespace {
 
 template <class Evaluation>
-void tell_end(const Evaluation& here, double tolerance, std::string reason, NewtonReport& report) {
+void report_end(const Evaluation& here, double tolerance, std::string reason, NewtonReport& report) {
   report.residual = here.relative_residual;
   report.inverted_elements = here.elements.inverted;
   report.worst_element = here.elements.worst_element;
@@ -303,7 +303,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     return report;
   }
   const auto finish = [&](std::string reason) {
-    tell_end(here, task.tolerance, std::move(reason), report);
+    report_end(here, task.tolerance, std::move(reason), report);
     let_faces_go();
     end_ = {state.positions_m, state.element_multipliers_pa, std::move(here)};
     return report;
@@ -312,14 +312,14 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   // Little but friction holds a free obstacle: by the tangent of what slips it would go far past where it sticks.
   const Slip cautious = energies_.contact.free().count() > 0 ? Slip::secant : Slip::tangent;
   StepPolicy policy{cautious, cautious, may_reuse(task, here.relative_residual)};
-  AndersonMixing mixing(constants::kOldFactorSteps);
+  AndersonMixing mixing(constants::kFrozenFactorSteps);
   const bool may_keep_faces = task.inertia_per_s2 > 0.0 && energies_.contact.skin().pair_count() > 0;
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
     if (may_keep_faces && report.iterations >= kFreeToChange) energies_.contact.keep_faces(here.contact.touches);
     ++report.iterations;
-    const bool try_old = policy.old_factor && mixing.size() < constants::kOldFactorSteps;
-    if (try_old && try_old_factor(task, state, here, mixing)) continue;
+    const bool try_old = policy.frozen_factor && mixing.size() < constants::kFrozenFactorSteps;
+    if (try_old && try_frozen_factor(task, state, here, mixing)) continue;
     mixing.clear();
     std::string why_not = take_fresh_step(task, policy, state, here, report);
     if (!why_not.empty()) return finish(std::move(why_not));
@@ -362,7 +362,7 @@ std::string NewtonSolver::take_fresh_step(const NewtonTask& task, StepPolicy& po
   if (!accepted && policy.convex) return "no step lowers the energy";
   policy.follow(accepted, sticks, length < 1.0);
   if (policy.convex && task.only_through_stable) return "no step lowers the energy";
-  policy.old_factor = accepted && policy.plain() && may_reuse(task, here.relative_residual);
+  policy.frozen_factor = accepted && policy.plain() && may_reuse(task, here.relative_residual);
   return "";
 }
 

@@ -223,7 +223,7 @@ class NewtonSolver {
   // How solve() finds its next step.
   struct StepPolicy {
     Slip cautious, slip;
-    bool old_factor;
+    bool frozen_factor;
     bool convex = false;
     int secants = 0;
 
@@ -256,7 +256,7 @@ class NewtonSolver {
                         Step& step) const;
   NewtonState full_step(const NewtonState& state, const Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
-  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing);
+  bool try_frozen_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing);
   // Completes the step by what the merit function needs. `gradient_n`: of the nodes, before the step.
   void prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,
                      Step& step) const;

@@ -37,9 +37,10 @@ NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> co
 
 void NewtonTables::release(Eigen::Matrix3Xd& forces) const { forces.reshaped()(held).setZero(); }
 
-const StepWarp& NewtonTables::warp() const {
-  std::call_once(warp_made_, [this] { warp_ = std::make_unique<StepWarp>(body, elements->batches, *matrix); });
-  return *warp_;
+const CoRotatedStep& NewtonTables::co_rotation() const {
+  std::call_once(co_rotation_made_,
+                 [this] { co_rotation_ = std::make_unique<CoRotatedStep>(body, elements->batches, *matrix); });
+  return *co_rotation_;
 }
 
 Eigen::MatrixXd constraint_gradients(const NewtonTables& tables, const NewtonState& state) {

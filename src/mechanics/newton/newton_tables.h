@@ -21,7 +21,7 @@
 #include "energy_terms.h"
 #include "matrix_layout.h"
 #include "soft_robot_lab/mechanics/body.h"
-#include "step_warp.h"
+#include "co_rotated_step.h"
 
 namespace soft_robot_lab {
 
@@ -35,7 +35,7 @@ struct NewtonTables {
   int friction_contact_count() const { return static_cast<int>(shared.size()); }
   int element_multiplier_count() const { return static_cast<int>(elements->rest_volumes_m3().size()); }
   void release(Eigen::Matrix3Xd& forces) const;  // zero on held degrees of freedom
-  const StepWarp& warp() const;                  // made when it is first asked for: many a body never needs it
+  const CoRotatedStep& co_rotation() const;      // made when it is first asked for: many a body never needs it
 
   const Body& body;
   std::vector<DrivenConstraint> constraints;
@@ -55,8 +55,8 @@ struct NewtonTables {
   std::vector<CliquePlaces> cliques;  // per constraint
 
  private:
-  mutable std::once_flag warp_made_;
-  mutable std::unique_ptr<const StepWarp> warp_;
+  mutable std::once_flag co_rotation_made_;
+  mutable std::unique_ptr<const CoRotatedStep> co_rotation_;
 };
 
 // Of all constraints, released, a column each over 3*node + axis: dC/dx.

@@ -45,7 +45,7 @@ ReducedEnergy::ReducedEnergy(const Body& body, const ReducedBasis& basis)
   loads_ = basis.modes.transpose() * Eigen::Map<const Eigen::VectorXd>(forces.data(), forces.size());
 }
 
-void ReducedEnergy::keep_points(const Eigen::VectorXd& factors, const Body& body) {
+void ReducedEnergy::hyper_reduce(const Eigen::VectorXd& factors, const Body& body) {
   std::vector<RestPoint> kept;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const double factor = factors[static_cast<Eigen::Index>(i)];

@@ -30,7 +30,7 @@ class ReducedEnergy {
   ReducedEnergy(const Body& body, const ReducedBasis& basis);
 
   // Keeps only the points of positive weight; `factors`: z of each point, in their order; `body`: the same.
-  void keep_points(const Eigen::VectorXd& factors, const Body& body);
+  void hyper_reduce(const Eigen::VectorXd& factors, const Body& body);
 
   struct Sums {
     double value;              // [J]

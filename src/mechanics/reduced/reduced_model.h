@@ -57,8 +57,8 @@ struct ReducedModel {
     if (!pairs.empty()) skin = ReducedSkin(full->body(), basis.modes, pairs);
   }
 
-  void keep_points(const Eigen::VectorXd& factors) {
-    energy.keep_points(factors, full->body());
+  void hyper_reduce(const Eigen::VectorXd& factors) {
+    energy.hyper_reduce(factors, full->body());
     point_factors = factors;
   }
 

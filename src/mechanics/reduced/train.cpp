@@ -72,7 +72,7 @@ void choose_points(const std::vector<Snapshot>& snapshots, double tolerance_m, R
   for (std::size_t i = 0; i < states; ++i)
     rows.middleRows(static_cast<Eigen::Index>(i) * n, n) =
         point_motions(model, snapshots[i * snapshots.size() / states]);
-  model.keep_points(sparse_weights(rows, tolerance_m * std::sqrt(static_cast<double>(states))));
+  model.hyper_reduce(sparse_weights(rows, tolerance_m * std::sqrt(static_cast<double>(states))));
 }
 
 }  // namespace

@@ -160,7 +160,7 @@ Eigen::Matrix3Xd downhill_along(SimulationParts& parts, const Eigen::Matrix3Xd& 
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
     NewtonState there = here;
     there.positions_m =
-        parts.model->tables().newton->warp().follow(here.positions_m, std::ldexp(1.0, doubling) * motion_m);
+        parts.model->tables().newton->co_rotation().follow(here.positions_m, std::ldexp(1.0, doubling) * motion_m);
     const Eigen::Matrix3Xd way_m = there.positions_m - here.positions_m;
     if (free_part(parts, way_m) < 1.0) break;
     const double rise_j = parts.workspace.newton.potential_rise_j(NewtonTask{}, here, there);

@@ -162,7 +162,7 @@ NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown
   enter(SolveStage::newton, newton.iterations, report.path);
   if (newton.shortened > 0) enter(SolveStage::line_search, newton.shortened, report.path);
   if (newton.convexified > 0) enter(SolveStage::convexify, newton.convexified, report.path);
-  tell_end(newton, body, report);
+  report_end(newton, body, report);
   return newton;
 }
 

@@ -49,7 +49,7 @@ SolveWarning residual_not_met(const NewtonReport& newton, const Body& body) {
 
 }  // namespace
 
-void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report) {
+void report_end(const NewtonReport& newton, const Body& body, SolveReport& report) {
   report.converged = newton.converged;
   report.residual = newton.residual;
   report.inverted_elements = newton.inverted_elements;
@@ -62,7 +62,7 @@ void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report)
   }
 }
 
-void tell_untangled(int elements, SolveReport& report) {
+void report_untangled(int elements, SolveReport& report) {
   SolveWarning warning;
   warning.kind = "untangled";
   warning.size = elements;

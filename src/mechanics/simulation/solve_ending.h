@@ -9,10 +9,10 @@
 namespace soft_robot_lab {
 
 // How a solve ended, with place and size of what is wrong.
-void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report);
+void report_end(const NewtonReport& newton, const Body& body, SolveReport& report);
 
 // That nodes did not move by the laws of mechanics: inverted elements and those around them were laid out anew.
-void tell_untangled(int elements, SolveReport& report);
+void report_untangled(int elements, SolveReport& report);
 
 inline constexpr double kLeastSnap = 0.01;  // of the body's size: a shorter way leads on, not away
 

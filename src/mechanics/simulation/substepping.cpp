@@ -100,7 +100,7 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, con
     found.residual = 1.0;
     found.reason = "the step went non-finite and was undone";
   }
-  tell_end(found, parts.body, report);
+  report_end(found, parts.body, report);
   return done;
 }
 

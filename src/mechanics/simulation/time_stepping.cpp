@@ -289,7 +289,7 @@ bool advance_untangled(SimulationParts& parts, double h, const ObstacleCuts& cut
   enter(SolveStage::untangle, static_cast<int>(untangled.elements.size()), report.path);
   advance(parts, h, CommandPath(parts, h), whole_step(cuts), report);
   if (report.converged && report.inverted_elements == 0) {
-    tell_untangled(static_cast<int>(untangled.elements.size()), report);
+    report_untangled(static_cast<int>(untangled.elements.size()), report);
     return true;
   }
   parts.state = before;

@@ -65,10 +65,10 @@ std::vector<SheathPath> read_sheaths(const YamlNode& robot, double default_radiu
 }
 
 // What is cast of a body.
-Solid less_bonded(const Solid& body, const std::vector<Solid>& bonded) {
-  if (bonded.empty()) return body;
+Solid without_inserts(const Solid& body, const std::vector<Solid>& inserts) {
+  if (inserts.empty()) return body;
   std::vector<Solid> parts{body};
-  parts.insert(parts.end(), bonded.begin(), bonded.end());
+  parts.insert(parts.end(), inserts.begin(), inserts.end());
   return combined(Solid::Kind::difference, parts);
 }
 
@@ -85,7 +85,7 @@ CastRobotFile read_blocks(const YamlNode& settings, const SceneOptions& options)
   file.settings = read_casting_settings(settings);
   file.mesher = mesher_options(options);
   const YamlNode body = settings.child("body");
-  if (body.has("solid")) file.solid = less_bonded(read_body_solid(body), file.settings.bonded);
+  if (body.has("solid")) file.solid = without_inserts(read_body_solid(body), file.settings.inserts);
   file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
   return file;
 }

@@ -174,7 +174,7 @@ Mould make_mould(const CastRobotFile& file) {
   const MouldSettings& settings = file.settings.mould;
   Mould mould;
   mould.plan = plan_mould(file, check_casting(file));
-  mould.plan.bonded = static_cast<int>(file.settings.bonded.size());
+  mould.plan.inserts = static_cast<int>(file.settings.inserts.size());
   const double edge_m = file.robot.surface.size_m() / kEdgesAcrossMould;
   const Surface robot = mesh_piece(mould.plan.cast, edge_m, file.mesher);
   mould.robot_volume_m3 = robot.volume_m3();

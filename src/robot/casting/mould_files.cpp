@@ -93,7 +93,7 @@ std::vector<std::string> assembly_steps(const Mould& mould) {
     return {"Put both halves together: the " + std::to_string(mould.plan.keys) +
                 " pegs of lower_half go into their sockets.",
             "Close them with " + std::to_string(mould.plan.bolts) + " bolts through the flanges.",
-            mould.plan.spout ? "Stand the mould on its end: the spout is above."
+            mould.plan.sprue ? "Stand the mould on its end: the sprue is above."
                              : "Stand the mould on its end: the opening is above, and level."};
   std::vector<std::string> steps{"Put the mould on a level table, open side up."};
   if (!mould.plan.air_holes.empty())
@@ -110,9 +110,9 @@ std::vector<std::string> sheath_steps(const MouldPlan& plan) {
     steps.back() += " " + piece.cable + ", " + rounded(1000 * piece.length_m(), 1) + " mm, outside " +
                     rounded(2000 * piece.radius_m, 1) + " mm;";
   steps.back().back() = '.';
-  if (plan.webs_m3 > 0)
+  if (plan.flash_m3 > 0)
     steps.push_back("Press modelling clay into the slots above them, in the mould's teeth, up to the rim: together " +
-                    rounded(1e6 * plan.webs_m3, 2) + " ml. Or cut this silicone off afterwards.");
+                    rounded(1e6 * plan.flash_m3, 2) + " ml. Or cut this silicone off afterwards.");
   return steps;
 }
 
@@ -126,7 +126,7 @@ std::string pour_step(const Mould& mould) {
   const std::string holds = " The cavity holds " + rounded(1e6 * mould.robot_volume_m3, 1) + " ml.",
                     rises =
                         vents == 0 ? "" : " Wait until it rises in each of the " + std::to_string(vents) + " vents.";
-  if (mould.plan.spout) return "Pour slowly through the spout, until it stays full." + rises + holds;
+  if (mould.plan.sprue) return "Pour slowly through the sprue, until it stays full." + rises + holds;
   return "Pour slowly in one place, until the silicone stands level with the rim." + rises + holds +
          " Scrape off what stands above.";
 }
@@ -138,9 +138,9 @@ std::vector<std::string> pour_steps(const Mould& mould) {
   steps.push_back((mould.plan.two_part ? "Take out the bolts, and pull the halves apart along " + way_text(mould.plan) +
                                              " of the robot's axes."
                                        : "Pull the robot out along " + way_text(mould.plan) + " of its own axes."));
-  if (mould.plan.spout || !mould.plan.vents.empty())
-    steps.push_back("Cut off the silicone of " + std::string(mould.plan.spout ? "spout and vents" : "the vents") +
-                    ", together " + rounded(1e6 * mould.plan.webs_m3, 2) + " ml.");
+  if (mould.plan.sprue || !mould.plan.vents.empty())
+    steps.push_back("Cut off the silicone of " + std::string(mould.plan.sprue ? "sprue and vents" : "the vents") +
+                    ", together " + rounded(1e6 * mould.plan.flash_m3, 2) + " ml.");
   steps.push_back(mould.plan.sheaths.empty()
                       ? "Sheaths and cables are not part of this mould: lead them through afterwards."
                       : "Cut the sheaths where they cross gaps, and lead the cables through.");
@@ -155,8 +155,8 @@ std::vector<std::string> steps_of(const Mould& mould) {
   add(sheath_steps(mould.plan));
   add({mix_step(mould.silicone), "Remove air from the mix in a vacuum."});
   add(mould.plan.lid ? lid_steps(mould) : pour_steps(mould));
-  if (mould.plan.bonded > 0)
-    add({"Cast the pieces that close it apart, " + std::to_string(mould.plan.bonded) +
+  if (mould.plan.inserts > 0)
+    add({"Cast the pieces that close it apart, " + std::to_string(mould.plan.inserts) +
          ", and bond them in with fresh silicone."});
   return steps;
 }
@@ -250,11 +250,11 @@ std::string mould_json(const Mould& mould) {
   for (const SheathPiece& piece : mould.plan.sheaths)
     json["sheaths"].push_back(
         {{"cable", piece.cable}, {"length_m", piece.length_m()}, {"in_teeth_m", piece.in_teeth_m}});
-  json["webs_m3"] = mould.plan.webs_m3;
+  json["flash_m3"] = mould.plan.flash_m3;
   json["open_top_m2"] = mould.plan.top_area_m2;
   json["air_holes"] = mould.plan.air_holes.size();
   json["vents"] = mould.plan.vents.size();
-  json["spout"] = mould.plan.spout.has_value();
+  json["sprue"] = mould.plan.sprue.has_value();
   json["bolts"] = mould.plan.bolts;
   json["keys"] = mould.plan.keys;
   json["silicone"] = {{"volume_m3", mould.silicone.volume_m3},

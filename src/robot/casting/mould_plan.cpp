@@ -14,7 +14,7 @@
 #include "build_solids.h"
 #include "lid_plan.h"
 #include "pockets.h"
-#include "roofs.h"
+#include "air_traps.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -24,8 +24,8 @@ using Eigen::Vector3d;
 constexpr double kBeyond_m = 0.001;     // what is cut away reaches this far out
 constexpr double kBoltsApart_m = 0.06;  // at most
 constexpr double kKeyTaper = 0.6;       // radius of a peg's end over its foot's
-constexpr double kSpoutFlare = 2;       // radius of a spout's mouth over its end's
-constexpr double kSpoutHeight = 3;      // over the radius of its end
+constexpr double kSprueFlare = 2;       // radius of a sprue's mouth over its end's
+constexpr double kSprueHeight = 3;      // over the radius of its end
 
 Vector3d exact_axis(const Vector3d& normal, const std::string& what) {
   Eigen::Index axis = 0;
@@ -92,7 +92,7 @@ void add_air_holes(const RayTree& tree, const CastingSettings& settings, MouldPl
 void lay_sheaths(const CastRobotFile& file, const Solid& solid, MouldPlan& plan) {
   plan.sheaths = pieces_on_shelves(file);
   MouldHeights heights = heights_along(file.robot.surface, plan.direction);
-  plan.webs_m3 = webs_m3(plan.sheaths, plan.direction, heights, file.settings.sheath.clearance_m);
+  plan.flash_m3 = flash_m3(plan.sheaths, plan.direction, heights, file.settings.sheath.clearance_m);
   heights.floor_m -= kBeyond_m;
   plan.cast = cast_on_shelves(solid, plan.sheaths, plan.direction, heights, file.settings.sheath.clearance_m);
 }
@@ -290,11 +290,11 @@ double channel_m3(const Channel& channel) {
 }
 
 // Up to the rim, or to silicone above.
-Channel channel_over(const Roof& roof, const MouldPlan& plan, double radius_m, double end_radius_m) {
+Channel channel_over(const AirTrap& trap, const MouldPlan& plan, double radius_m, double end_radius_m) {
   const auto at = [&](double height_m) -> Vector3d {
-    return plan.frame * Vector3d(roof.across_m, plan.parting_m, height_m);
+    return plan.frame * Vector3d(trap.across_m, plan.parting_m, height_m);
   };
-  return {at(roof.height_m), at(std::min(roof.above_m, plan.rim_m)), radius_m, end_radius_m};
+  return {at(trap.height_m), at(std::min(trap.above_m, plan.rim_m)), radius_m, end_radius_m};
 }
 
 // It begins a little inside the cavity, as a round skin falls off around its highest place.
@@ -305,23 +305,23 @@ Solid bar_of(const Channel& channel, const Vector3d& up, bool ends_in_silicone) 
                                           round_bar(channel.from_m, end, channel.radius_m, channel.end_radius_m)});
 }
 
-double spout_height_m(const MouldSettings& mould) {
-  return std::max(mould.wall_m, kSpoutHeight * mould.spout_radius_m);
+double sprue_height_m(const MouldSettings& mould) {
+  return std::max(mould.wall_m, kSprueHeight * mould.sprue_radius_m);
 }
 
 // The rim lies above the robot where it has no open side.
-void add_channels(const std::vector<Roof>& roofs, const Solid& robot, const MouldSettings& mould, MouldPlan& plan) {
+void add_channels(const std::vector<AirTrap>& traps, const Solid& robot, const MouldSettings& mould, MouldPlan& plan) {
   const Vector3d up = plan.frame.col(2);
   std::vector<Solid> filled{robot};
-  for (const Roof& roof : roofs) {
-    if (roof.height_m > plan.rim_m - kBeyond_m) continue;  // open to air
-    if (plan.rim_m > plan.high_m.z() && !plan.spout) {
-      plan.spout = channel_over(roof, plan, mould.spout_radius_m, kSpoutFlare * mould.spout_radius_m);
-      filled.push_back(bar_of(*plan.spout, up, false));
+  for (const AirTrap& trap : traps) {
+    if (trap.height_m > plan.rim_m - kBeyond_m) continue;  // open to air
+    if (plan.rim_m > plan.high_m.z() && !plan.sprue) {
+      plan.sprue = channel_over(trap, plan, mould.sprue_radius_m, kSprueFlare * mould.sprue_radius_m);
+      filled.push_back(bar_of(*plan.sprue, up, false));
       continue;
     }
-    plan.vents.push_back(channel_over(roof, plan, mould.air_hole_radius_m, mould.air_hole_radius_m));
-    filled.push_back(bar_of(plan.vents.back(), up, roof.above_m < plan.rim_m));
+    plan.vents.push_back(channel_over(trap, plan, mould.air_hole_radius_m, mould.air_hole_radius_m));
+    filled.push_back(bar_of(plan.vents.back(), up, trap.above_m < plan.rim_m));
   }
   plan.cast = filled.size() > 1 ? combined(Solid::Kind::union_of, filled) : robot;
 }
@@ -337,7 +337,7 @@ Vector3d best_up(const RayTree& tree, const Parting& parting) {
       const Vector3d up = sign * Vector3d::Unit(axis);
       Eigen::Matrix3d frame;
       frame << parting.direction.cross(up), parting.direction, up;
-      const std::pair<size_t, double> worth{find_roofs(tree, frame, parting.offset_m).size(),
+      const std::pair<size_t, double> worth{find_air_traps(tree, frame, parting.offset_m).size(),
                                             heights.floor_m - heights.top_m};
       if (worth < least) least = worth, best = up;
     }
@@ -345,13 +345,13 @@ Vector3d best_up(const RayTree& tree, const Parting& parting) {
   return best;
 }
 
-void require_room_for_spout(const Flanged& made, const MouldSettings& mould, const MouldPlan& plan) {
-  if (!plan.spout) return;
-  const double needed = kSpoutFlare * mould.spout_radius_m + mould.min_wall_m,
-               at = plan.frame.col(0).dot(plan.spout->to_m);
+void require_room_for_sprue(const Flanged& made, const MouldSettings& mould, const MouldPlan& plan) {
+  if (!plan.sprue) return;
+  const double needed = kSprueFlare * mould.sprue_radius_m + mould.min_wall_m,
+               at = plan.frame.col(0).dot(plan.sprue->to_m);
   const double room =
       std::min({plan.parting_m - made.low.y(), made.high.y() - plan.parting_m, at - made.low.x(), made.high.x() - at});
-  if (room < needed) throw NoMould("the block has no room for the spout's mouth; a smaller spout_radius_m may help");
+  if (room < needed) throw NoMould("the block has no room for the sprue's mouth; a smaller sprue_radius_m may help");
 }
 
 MouldPlan plan_two_parts(const CastShape& robot, const Solid& solid, const CastingSettings& settings) {
@@ -367,15 +367,15 @@ MouldPlan plan_two_parts(const CastShape& robot, const Solid& solid, const Casti
   plan.frame << parting.direction.cross(up), parting.direction, up;
   plan.parting_m = parting.offset_m;
   take_box(robot.surface(), plan);
-  plan.rim_m = plan.high_m.z() + (parting.top ? 0 : spout_height_m(settings.mould));
-  add_channels(find_roofs(tree, plan.frame, plan.parting_m), solid, settings.mould, plan);
+  plan.rim_m = plan.high_m.z() + (parting.top ? 0 : sprue_height_m(settings.mould));
+  add_channels(find_air_traps(tree, plan.frame, plan.parting_m), solid, settings.mould, plan);
   const Flanged made = make_flanges(settings.mould, plan);
-  require_room_for_spout(made, settings.mould, plan);
+  require_room_for_sprue(made, settings.mould, plan);
   plan.bolts = static_cast<int>(made.bolts.size());
   plan.keys = static_cast<int>(made.pegs.size());
   plan.block_volume_m3 = flanged_volume(made, settings.mould, plan);
-  for (const Channel& vent : plan.vents) plan.webs_m3 += channel_m3(vent);
-  if (plan.spout) plan.webs_m3 += channel_m3(*plan.spout);
+  for (const Channel& vent : plan.vents) plan.flash_m3 += channel_m3(vent);
+  if (plan.sprue) plan.flash_m3 += channel_m3(*plan.sprue);
   plan.pieces = {half(made, plan, false), half(made, plan, true)};
   return plan;
 }

@@ -52,12 +52,12 @@ struct MouldPlan {
   double first_pour_m3 = 0;                              // of a robot with a lid: all but the lid
   std::vector<AirHole> air_holes;
   std::vector<Channel> vents;        // of two halves: where air would be caught
-  std::optional<Channel> spout;      // of two halves that no flat side of the robot keeps open
+  std::optional<Channel> sprue;      // of two halves that no flat side of the robot keeps open
   std::vector<SheathPiece> sheaths;  // that lie in it
-  double webs_m3 = 0;                // silicone above them in slots through the mould's teeth
-  Solid cast;                        // what silicone and sheaths fill, vents and spout too; without names
+  double flash_m3 = 0;               // silicone above them in slots through the mould's teeth
+  Solid cast;                        // what silicone and sheaths fill, vents and sprue too; without names
   int bolts = 0, keys = 0;
-  int bonded = 0;              // pieces that are made apart
+  int inserts = 0;             // pieces that are made apart
   double block_volume_m3 = 0;  // closed form: all pieces that count together with the robot
   std::vector<MouldPiece> pieces;
 };
@@ -70,7 +70,7 @@ bool fits_printer(Eigen::Vector3d size_m, Eigen::Vector3d room_m);
 struct Parting {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   double offset_m = 0;
-  std::optional<HullPlane> top;  // at right angles to the direction, stays open for pouring; none: it needs a spout
+  std::optional<HullPlane> top;  // at right angles to the direction, stays open for pouring; none: it needs a sprue
 };
 Parting find_parting(const CastShape& robot);
 

@@ -87,13 +87,13 @@ CellFlags beside_through_holes(const HeightMap& map, std::vector<Cell> cells) {
   return joined;
 }
 
-void add_roofs(const HeightMap& map, const std::vector<Cell>& in_cores, const CellFlags& is_core, Pockets& result) {
+void add_air_traps(const HeightMap& map, const std::vector<Cell>& in_cores, const CellFlags& is_core, Pockets& result) {
   const CellFlags beside = beside_through_holes(map, in_cores);
-  const auto is_roof = [&](Eigen::Index i, Eigen::Index j) {
+  const auto is_air_trap = [&](Eigen::Index i, Eigen::Index j) {
     return is_core(i, j) && map.is_skin(i, j) && (!beside(i, j) || map.facing(i, j) < kLooksDown);
   };
   CellFlags seen = none_of(map);
-  for_each_part<4>(map, in_cores, seen, is_roof, [&](const std::vector<Cell>& roof) {
+  for_each_part<4>(map, in_cores, seen, is_air_trap, [&](const std::vector<Cell>& roof) {
     const auto [i, j] = widest_circle(map, roof).middle;
     result.pockets.push_back(
         {static_cast<double>(roof.size()) * map.cell_area_m2(), map.position_m(i, j, map.height_m(i, j))});
@@ -211,7 +211,7 @@ Pockets find_pockets(const RayTree& tree, const Eigen::Vector3d& direction, doub
     if (is_core(cell.first, cell.second)) in_cores.push_back(cell);
   }
   result.wall_area_m2 = result.footprint_m2;
-  add_roofs(map, in_cores, is_core, result);
+  add_air_traps(map, in_cores, is_core, result);
   add_cores(tree, map, in_cores, is_core, level, result);
   const auto larger = [](const Pocket& a, const Pocket& b) { return a.roof_area_m2 > b.roof_area_m2; };
   std::sort(result.pockets.begin(), result.pockets.end(), larger);

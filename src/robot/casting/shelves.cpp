@@ -252,8 +252,8 @@ Solid cast_on_shelves(const Solid& robot, const std::vector<SheathPiece>& pieces
   return combined(Solid::Kind::union_of, slots);
 }
 
-double webs_m3(const std::vector<SheathPiece>& pieces, const Vector3d& direction, const MouldHeights& heights,
-               double clearance_m) {
+double flash_m3(const std::vector<SheathPiece>& pieces, const Vector3d& direction, const MouldHeights& heights,
+                double clearance_m) {
   return std::accumulate(pieces.begin(), pieces.end(), 0.0, [&](double sum, const SheathPiece& piece) {
     const double radius = piece.radius_m + clearance_m, height = heights.top_m - direction.dot(piece.points_m[0]);
     const double above = 2 * radius * height - M_PI / 2 * radius * radius;

@@ -53,7 +53,7 @@ Solid cast_on_shelves(const Solid& robot, const std::vector<SheathPiece>& pieces
                       const MouldHeights& heights, double clearance_m);
 
 // Silicone in the slots, above the sheaths: to be cut off.
-double webs_m3(const std::vector<SheathPiece>& pieces, const Eigen::Vector3d& direction, const MouldHeights& heights,
-               double clearance_m);
+double flash_m3(const std::vector<SheathPiece>& pieces, const Eigen::Vector3d& direction, const MouldHeights& heights,
+                double clearance_m);
 
 }  // namespace soft_robot_lab

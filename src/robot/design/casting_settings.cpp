@@ -4,6 +4,11 @@
 namespace soft_robot_lab {
 namespace {
 
+// Keys of earlier versions.
+void refuse_old_name(const YamlNode& node, const std::string& old, const std::string& now) {
+  if (node.has(old)) node.fail(old + " is called " + now + " now");
+}
+
 std::optional<Eigen::Vector3d> read_direction(const YamlNode& node) {
   if (!node.has("direction")) return std::nullopt;
   const YamlNode direction = node.child("direction");
@@ -27,7 +32,8 @@ void read_limits(const YamlNode& node, CastingSettings& settings) {
   settings.max_suction_strain = node.number_or("max_suction_strain", settings.max_suction_strain, positive);
   settings.max_core_aspect = node.number_or("max_core_aspect", settings.max_core_aspect, positive);
   settings.air_holes = node.boolean_or("air_holes", settings.air_holes);
-  for (const YamlNode& solid : node.optional_sequence("bonded")) settings.bonded.push_back(read_solid(solid));
+  refuse_old_name(node, "bonded", "inserts");
+  for (const YamlNode& solid : node.optional_sequence("inserts")) settings.inserts.push_back(read_solid(solid));
 }
 
 void read_sheath(const YamlNode& node, SheathSettings& sheath) {
@@ -62,7 +68,8 @@ void read_mould(const YamlNode& node, MouldSettings& mould) {
   mould.key_radius_m = node.number_or("key_radius_m", mould.key_radius_m, {0.001, 0.02});
   mould.clearance_m = node.number_or("clearance_m", mould.clearance_m, {0, 0.002});
   mould.air_hole_radius_m = node.number_or("air_hole_radius_m", mould.air_hole_radius_m, {1e-4, 0.005});
-  mould.spout_radius_m = node.number_or("spout_radius_m", mould.spout_radius_m, {0.001, 0.02});
+  refuse_old_name(node, "spout_radius_m", "sprue_radius_m");
+  mould.sprue_radius_m = node.number_or("sprue_radius_m", mould.sprue_radius_m, {0.001, 0.02});
   mould.part_a_fraction = node.number_or("part_a_fraction", mould.part_a_fraction, {0, 1});
   mould.spare_fraction = node.number_or("spare_fraction", mould.spare_fraction, {0, 1});
 }

@@ -30,7 +30,7 @@ struct MouldSettings {
   double key_radius_m = 0.0025;       // pegs of one half
   double clearance_m = 0.0002;        // of their sockets in the other
   double air_hole_radius_m = 0.0005;  // of vents too
-  double spout_radius_m = 0.004;      // where it meets the cavity
+  double sprue_radius_m = 0.004;      // where it meets the cavity
   double part_a_fraction = 0.5;       // of the silicone's mass
   double spare_fraction = 0.1;        // more silicone than the cavity holds
   Eigen::Vector3d printer_m{0.223, 0.223, 0.205};
@@ -49,7 +49,7 @@ struct CastingSettings {
   double max_suction_strain = 0.25;
   double max_core_aspect = 5;
   bool air_holes = false;
-  std::vector<Solid> bonded;  // made apart, and bonded into the robot: taken away from what is cast
+  std::vector<Solid> inserts;  // made apart, and bonded into the robot: taken away from what is cast
   SheathSettings sheath;
   MouldSettings mould;
 };

@@ -61,7 +61,7 @@ ReducedChoice choice_from(const Kept& json, const std::shared_ptr<const Model>& 
   if (box.min.size() != model->actuators().size() || box.max.size() != box.min.size())
     throw std::invalid_argument("a kept reduced model is of other actuators");
   auto reduced = std::make_shared<ReducedModel>(model, box, basis);
-  reduced->keep_points(
+  reduced->hyper_reduce(
       matrix_from(json.at("point_factors"), static_cast<Eigen::Index>(reduced->energy.points().size())));
   reduced->rests = rests_from(json.at("rests"), *reduced);
   reduced->let_touch(json.at("skin").get<std::vector<FacePair>>());

@@ -97,7 +97,7 @@ class TrackerNode {
   void on_pair(const std::string& camera, const Image& colour, const Image& depth);
   void on_result(const MarkerTracking::Result& result);
   void publish_image(const MarkerTracking::Result& result) const;
-  void tell_knocked_cameras();
+  void report_displaced_cameras();
   void broadcast(const std::vector<CameraPose>& poses);
   void serve_parameters();
   bool set_parameters(dynamic_reconfigure::Reconfigure::Request& request,
@@ -112,11 +112,11 @@ class TrackerNode {
   NodeOptions options_;
   TrackingInput input_;
   std::unique_ptr<CalibrationSession> calibration_;
-  std::string problem_;                            // the last, since the last diagnosis
-  std::map<std::string, int> silent_;              // diagnoses without an image, by camera
-  std::vector<std::string> lost_;                  // as last reported
-  std::vector<double> latencies_s_;                // from stamp to markers, since the last diagnosis
-  std::vector<std::vector<std::string>> knocked_;  // named in the log
+  std::string problem_;                              // the last, since the last diagnosis
+  std::map<std::string, int> silent_;                // diagnoses without an image, by camera
+  std::vector<std::string> lost_;                    // as last reported
+  std::vector<double> latencies_s_;                  // from stamp to markers, since the last diagnosis
+  std::vector<std::vector<std::string>> displaced_;  // named in the log
 
   ros::NodeHandle node_;
   ros::NodeHandle own_node_{"~"};
@@ -233,7 +233,7 @@ void TrackerNode::on_result(const MarkerTracking::Result& result) {
                                    [name = name](const CameraObservation& sight) { return sight.camera == name; });
     camera->diagnosis.tracked(static_cast<std::size_t>(own), report.sights.size());
   }
-  tell_knocked_cameras();
+  report_displaced_cameras();
   if (image_.getNumSubscribers() > 0) publish_image(result);
 }
 
@@ -246,14 +246,14 @@ void TrackerNode::publish_image(const MarkerTracking::Result& result) const {
 }
 
 // Each once, when it begins.
-void TrackerNode::tell_knocked_cameras() {
+void TrackerNode::report_displaced_cameras() {
   std::vector<std::vector<std::string>> displaced;
   for (const CameraWarning& warning : input_.tracking()->watch().warnings()) {
     displaced.push_back(warning.cameras);
-    if (std::find(knocked_.begin(), knocked_.end(), warning.cameras) == knocked_.end())
+    if (std::find(displaced_.begin(), displaced_.end(), warning.cameras) == displaced_.end())
       ROS_WARN("%s", warning.message.c_str());
   }
-  knocked_ = std::move(displaced);
+  displaced_ = std::move(displaced);
 }
 
 void TrackerNode::broadcast(const std::vector<CameraPose>& poses) {

@@ -134,7 +134,7 @@ int actuator_of(const ChamberSettings& settings, const Simulation& simulation) {
   return settings.chamber.empty() ? 0 : simulation.actuator_index(settings.chamber);
 }
 
-void tell_trouble(const std::string& what, const std::string& why, ExperimentResult& result) {
+void report_trouble(const std::string& what, const std::string& why, ExperimentResult& result) {
   result.converged = false;
   result.message = what + ": " + why;
 }
@@ -194,7 +194,7 @@ std::vector<ChamberRun> run_chambers(const ExperimentContext& context, const Cha
       run.states.push_back(observe(simulation, actuator, beta, solve));
       const std::string why = trouble(solve);
       if (why.empty()) continue;
-      tell_trouble(what.str(), why, result);
+      report_trouble(what.str(), why, result);
       break;
     }
     runs.push_back(std::move(run));
@@ -231,7 +231,7 @@ Pumping pump_chamber(const ExperimentContext& context, const ChamberSettings& se
   if (!trouble(report).empty()) {
     std::ostringstream what;
     what << pump.mesh << " in time, after " << pumping.time_s.back() << " s";
-    tell_trouble(what.str(), trouble(report), result);
+    report_trouble(what.str(), trouble(report), result);
   }
   return pumping;
 }

@@ -178,7 +178,7 @@ const PidRun& nearest_start(const std::vector<PidRun>& runs, double start_m) {
   });
 }
 
-std::string tell_one(const PidRun& run) {
+std::string report_one(const PidRun& run) {
   std::ostringstream text;
   text.precision(3);
   text << "Target " << run.target->target.name << ", " << 1e3 * run.start_m() << " mm away, "
@@ -188,7 +188,7 @@ std::string tell_one(const PidRun& run) {
   return text.str();
 }
 
-std::string tell_all(const std::vector<PidRun>& runs) {
+std::string report_all(const std::vector<PidRun>& runs) {
   int swinging = 0, above_one = 0, agree = 0;
   double pid_m = 0.0, descent_m = 0.0;
   for (const PidRun& run : runs) {
@@ -250,7 +250,7 @@ ExperimentResult run_pid_experiment(const ExperimentContext& context) {
       "The places are not printed, and most of Hammerbot's dimensions are chosen, so |J|, which decides what swings, "
       "is "
       "our robot's; commands are clipped to its limits, 0.6 to 1.5, which the source does not say that it does.";
-  result.we_find = tell_all(runs) + tell_one(far) + tell_one(near) +
+  result.we_find = report_all(runs) + report_one(far) + report_one(near) +
                    "The proportional part, of the order of 1e-4, has no share in it.";
   return result;
 }

@@ -130,7 +130,7 @@ Plot descent_plot(const std::vector<TargetRuns>& all) {
   return plot;
 }
 
-std::string tell_descent(const std::vector<TargetRuns>& all) {
+std::string report_descent(const std::vector<TargetRuns>& all) {
   double least_m = std::numeric_limits<double>::infinity(), most_m = 0.0;
   int stopped = 0, near = 0;
   for (const TargetRuns& target : all) {
@@ -180,7 +180,7 @@ ExperimentResult run_random_targets_experiment(const ExperimentContext& context)
       "the same reach, and dimensions other than the cables' length are chosen, so that targets beyond this robot's "
       "reach "
       "need not be those beyond the source's.";
-  result.we_find = tell_descent(all) + compare_gauss_newton(all, result);
+  result.we_find = report_descent(all) + compare_gauss_newton(all, result);
   return result;
 }
 

@@ -122,7 +122,7 @@ TEST_P(ReducedParts, VolumeGradientsAreTheSlopeOfTheForcesByThePressures) {
 
 TEST_P(ReducedParts, TheHessianIsTheSlopeOfTheForces) {
   ReducedEnergy energy(body, basis);
-  energy.keep_points(random_matrix(static_cast<Eigen::Index>(energy.points().size()), 1, 3), body);
+  energy.hyper_reduce(random_matrix(static_cast<Eigen::Index>(energy.points().size()), 1, 3), body);
   const Eigen::MatrixXd hessian = energy.hessian(q, r);
   const double d = 1e-5;
   for (Eigen::Index i = 0; i < 4; ++i) {
@@ -134,7 +134,7 @@ TEST_P(ReducedParts, TheHessianIsTheSlopeOfTheForces) {
 
 TEST_P(ReducedParts, PointForcesAndPolynomialsAddUpToTheForce) {
   ReducedEnergy all(body, basis), none(body, basis);
-  none.keep_points(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(none.points().size())), body);
+  none.hyper_reduce(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(none.points().size())), body);
   const Eigen::VectorXd points = all.point_forces(q).rowwise().sum();
   const Eigen::VectorXd force = all.sums(q, r).force;
   EXPECT_LT((none.sums(q, r).force + points - force).norm(), 1e-12 * force.norm());

@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "read_three_mf.h"
-#include "robot/casting/roofs.h"
+#include "robot/casting/air_traps.h"
 #include "robot/casting/verdict_page.h"
 #include "robot/design/surface_file.h"
 #include "robot/scene/scene_files.h"
@@ -86,7 +86,7 @@ TEST(MakeMould, LeavesOutWhatIsBondedInAfterwards) {
   const std::string up = "{direction: [0, 0, 1], air_holes: true";
   EXPECT_NE(refusal(robot_of(folder, closed, up + "}")).find("bond a lid"), std::string::npos);
   const Mould mould = make_mould(
-      robot_of(folder, closed, up + ", bonded: [{box: {size_m: [0.01, 0.01, 0.007], center_m: [0, 0, 0.0025]}}]}"));
+      robot_of(folder, closed, up + ", inserts: [{box: {size_m: [0.01, 0.01, 0.007], center_m: [0, 0, 0.0025]}}]}"));
   EXPECT_TRUE(mould.faults.empty()) << mould.faults[0];
   EXPECT_NEAR(mould.robot_volume_m3, 8e-6 - 1e-6 - 0.5e-6, 1e-12);
   EXPECT_NE(mould_instructions(mould, "cup").find("bond them in"), std::string::npos);
@@ -136,28 +136,42 @@ TEST(MakeMould, PartsTwoHalvesToTheirClosedForm) {
   ASSERT_EQ(mould.plan.vents.size(), 2u);
   EXPECT_NEAR(mould.plan.vents[0].from_m.x() + mould.plan.vents[1].from_m.x(), 0, 1e-4);
   EXPECT_NEAR((mould.plan.vents[0].to_m - mould.plan.vents[0].from_m).norm(), 0.02, 1e-6);
-  EXPECT_NEAR(mould.plan.webs_m3, 2 * kPi * 0.0005 * 0.0005 * 0.02, 1e-13);
-  EXPECT_NEAR(mould.robot_volume_m3, 2 * 0.04 * 0.02 * 0.01 + 0.012 * 0.012 * 0.02 + mould.plan.webs_m3,
-              0.12 * mould.plan.webs_m3)
+  EXPECT_NEAR(mould.plan.flash_m3, 2 * kPi * 0.0005 * 0.0005 * 0.02, 1e-13);
+  EXPECT_NEAR(mould.robot_volume_m3, 2 * 0.04 * 0.02 * 0.01 + 0.012 * 0.012 * 0.02 + mould.plan.flash_m3,
+              0.12 * mould.plan.flash_m3)
       << "bores have few edges";
   EXPECT_LT(mould.closure, kLargestClosure);
   for (const MouldPart& part : mould.parts) EXPECT_EQ(part.surface.shell_volumes_m3.size(), 1u);
 }
 
-TEST(MakeMould, PoursThroughASpoutWhereNoSideIsFlat) {
+TEST(MakeMould, PoursThroughASprueWhereNoSideIsFlat) {
   const SceneFolder folder;
   const char* const ball = "{sphere: {radius_m: 0.02, center_m: [0, 0, 0]}}";
   const Mould mould = make_mould(robot_of(folder, ball, "{allow: [two_part]}"));
   EXPECT_TRUE(mould.faults.empty()) << mould.faults[0];
-  ASSERT_TRUE(mould.plan.spout);
-  EXPECT_TRUE(mould.plan.vents.empty()) << "its highest place is the spout's";
-  EXPECT_NEAR(mould.plan.spout->from_m.norm(), 0.02, 1e-4);
+  ASSERT_TRUE(mould.plan.sprue);
+  EXPECT_TRUE(mould.plan.vents.empty()) << "its highest place is the sprue's";
+  EXPECT_NEAR(mould.plan.sprue->from_m.norm(), 0.02, 1e-4);
   const double above = kPi / 3 * 0.012 * (16 + 32 + 64) * 1e-6;
-  EXPECT_NEAR(mould.plan.webs_m3, above, 1e-3 * above);
+  EXPECT_NEAR(mould.plan.flash_m3, above, 1e-3 * above);
   EXPECT_NEAR(mould.robot_volume_m3, 4 * kPi / 3 * 8e-6 + above, 2e-3 * 33.5e-6);
-  EXPECT_NE(mould_instructions(mould, "ball").find("through the spout"), std::string::npos);
-  EXPECT_NE(refusal(robot_of(folder, ball, "{allow: [two_part], spout_radius_m: 0.015}")).find("spout_radius_m"),
+  EXPECT_NE(mould_instructions(mould, "ball").find("through the sprue"), std::string::npos);
+  EXPECT_NE(refusal(robot_of(folder, ball, "{allow: [two_part], sprue_radius_m: 0.015}")).find("sprue_radius_m"),
             std::string::npos);
+}
+
+TEST(MakeMould, NamesTheNewNamesOfOldKeys) {
+  const SceneFolder folder;
+  const auto refused = [&](const std::string& casting) {
+    try {
+      robot_of(folder, "{sphere: {radius_m: 0.02}}", casting);
+    } catch (const SettingsError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refused("{spout_radius_m: 0.004}").find("spout_radius_m is called sprue_radius_m now"), std::string::npos);
+  EXPECT_NE(refused("{bonded: []}").find("bonded is called inserts now"), std::string::npos);
 }
 
 TEST(MakeMould, GivesAirAWayOutOfEachLocalTop) {
@@ -169,14 +183,14 @@ TEST(MakeMould, GivesAirAWayOutOfEachLocalTop) {
       "{cone: {start_m: [0.02, 0, 0.005], end_m: [0.02, 0, 0.025], radius_m: 0.008, end_radius_m: 0.004}}]}";
   const CastRobotFile file = robot_of(folder, solid);
   const Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
-  const std::vector<Roof> roofs = find_roofs(RayTree(file.robot.surface), frame, 0);
-  ASSERT_EQ(roofs.size(), 3u) << "both horns, and the foot's roof between them, but not the 2.6 mm beside";
-  EXPECT_NEAR(roofs[0].height_m, 0.04, 1e-7);
-  EXPECT_NEAR(roofs[0].across_m, -0.02, 1e-4);
-  EXPECT_NEAR(roofs[1].height_m, 0.025, 1e-7);
-  EXPECT_NEAR(roofs[1].across_m, 0.02, 1e-4);
-  EXPECT_NEAR(roofs[2].height_m, 0.01, 1e-7);
-  EXPECT_NEAR(roofs[2].across_m, 0, 3e-4);
+  const std::vector<AirTrap> traps = find_air_traps(RayTree(file.robot.surface), frame, 0);
+  ASSERT_EQ(traps.size(), 3u) << "both horns, and the foot's roof between them, but not the 2.6 mm beside";
+  EXPECT_NEAR(traps[0].height_m, 0.04, 1e-7);
+  EXPECT_NEAR(traps[0].across_m, -0.02, 1e-4);
+  EXPECT_NEAR(traps[1].height_m, 0.025, 1e-7);
+  EXPECT_NEAR(traps[1].across_m, 0.02, 1e-4);
+  EXPECT_NEAR(traps[2].height_m, 0.01, 1e-7);
+  EXPECT_NEAR(traps[2].across_m, 0, 3e-4);
 }
 
 TEST(MakeMould, OpensAirHolesUnderCores) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mechanics/newton/step_warp.h"
+#include "mechanics/newton/co_rotated_step.h"
 
 #include <gtest/gtest.h>
 
@@ -12,16 +12,16 @@
 namespace soft_robot_lab {
 namespace {
 
-class StepWarpTest : public ::testing::TestWithParam<bool> {
+class CoRotatedStepTest : public ::testing::TestWithParam<bool> {
  protected:
-  StepWarpTest()
+  CoRotatedStepTest()
       : body_(box_mesh({0, 0, 0}, {0.03, 0.02, 0.02}, {3, 2, 2}, GetParam()), {1.0e5, 0.45, 1000.0}),
         matrix_(body_.mesh().node_count(), stiffness_cliques(body_)),
         elements_(body_, matrix_) {}
 
   const Eigen::Matrix3Xd& rest() const { return body_.mesh().nodes_m; }
   Eigen::Matrix3Xd follow(const Eigen::Matrix3Xd& step) const {
-    return StepWarp(body_, elements_.batches(), matrix_.pattern()).follow(rest(), step);
+    return CoRotatedStep(body_, elements_.batches(), matrix_.pattern()).follow(rest(), step);
   }
   void hold_corner(const Eigen::Matrix<bool, 3, 1>& axes) {
     body_.fix_nodes(Eigen::Vector3d::Constant(-1e-6), Eigen::Vector3d::Constant(1e-6), axes);
@@ -32,10 +32,10 @@ class StepWarpTest : public ::testing::TestWithParam<bool> {
   Elements elements_;
 };
 
-INSTANTIATE_TEST_SUITE_P(, StepWarpTest, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(, CoRotatedStepTest, testing::Bool(),
                          [](const auto& kind) { return kind.param ? "Quadratic" : "Linear"; });
 
-TEST_P(StepWarpTest, TurnsABodyRigidlyWhereTheStepOnlyTurns) {
+TEST_P(CoRotatedStepTest, TurnsABodyRigidlyWhereTheStepOnlyTurns) {
   hold_corner({true, true, true});
   const Eigen::Vector3d turn(0.3, -0.9, 0.5);
   Eigen::Matrix3Xd step(3, rest().cols());
@@ -44,7 +44,7 @@ TEST_P(StepWarpTest, TurnsABodyRigidlyWhereTheStepOnlyTurns) {
   EXPECT_LT((follow(step) - turned).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-TEST_P(StepWarpTest, StretchesToTheVolumeThatTheStepMeant) {
+TEST_P(CoRotatedStepTest, StretchesToTheVolumeThatTheStepMeant) {
   hold_corner({true, true, true});
   const Eigen::Vector3d strain(0.4, -0.2, -0.1);
   const TetMesh& mesh = body_.mesh();
@@ -55,7 +55,7 @@ TEST_P(StepWarpTest, StretchesToTheVolumeThatTheStepMeant) {
   EXPECT_NEAR(far.x() / far.y(), 1.4 * 0.03 / (0.8 * 0.02), 1e-6);
 }
 
-TEST_P(StepWarpTest, IsTheStepItselfToFirstOrder) {
+TEST_P(CoRotatedStepTest, IsTheStepItselfToFirstOrder) {
   body_.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
   Eigen::Matrix3Xd bend = Eigen::Matrix3Xd::Zero(3, rest().cols());
   for (Eigen::Index node = 0; node < bend.cols(); ++node) {
@@ -67,7 +67,7 @@ TEST_P(StepWarpTest, IsTheStepItselfToFirstOrder) {
   EXPECT_NEAR(beyond(0.01) / beyond(0.005), 4.0, 0.1);
 }
 
-TEST_P(StepWarpTest, MovesNothingAlongAnAxisThatIsHeld) {
+TEST_P(CoRotatedStepTest, MovesNothingAlongAnAxisThatIsHeld) {
   body_.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, false, false});
   hold_corner({true, true, true});
   Eigen::Matrix3Xd step = Eigen::Matrix3Xd::Zero(3, rest().cols());
@@ -81,19 +81,19 @@ TEST_P(StepWarpTest, MovesNothingAlongAnAxisThatIsHeld) {
   EXPECT_GT((there - rest() - step).row(0).cwiseAbs().maxCoeff(), 1e-6);
 }
 
-TEST_P(StepWarpTest, StaysFiniteWhereElementsAreInvertedOrFlat) {
+TEST_P(CoRotatedStepTest, StaysFiniteWhereElementsAreInvertedOrFlat) {
   hold_corner({true, false, false});
   Eigen::Matrix3Xd mirrored = rest(), flat = rest();
   mirrored.row(1) *= -1.0;
   flat.row(2).setZero();
   const Eigen::Matrix3Xd step = 3.0 * rest();
-  const StepWarp warp(body_, elements_.batches(), matrix_.pattern());
+  const CoRotatedStep warp(body_, elements_.batches(), matrix_.pattern());
   EXPECT_LT((warp.follow(mirrored, step) - mirrored - step).norm(), 1e-12);
   EXPECT_TRUE(warp.follow(flat, step).allFinite());
   EXPECT_TRUE(warp.follow(rest(), -5.0 * rest()).allFinite());
 }
 
-TEST_P(StepWarpTest, NodeTurnsAreThoseOfTheBodyButWhereItIsHeld) {
+TEST_P(CoRotatedStepTest, NodeTurnsAreThoseOfTheBodyButWhereItIsHeld) {
   hold_corner({false, true, false});
   Eigen::Matrix3Xd bent = rest();
   for (Eigen::Index node = 0; node < bent.cols(); ++node) bent(1, node) += 8.0 * rest()(0, node) * rest()(0, node);
@@ -108,7 +108,7 @@ TEST_P(StepWarpTest, NodeTurnsAreThoseOfTheBodyButWhereItIsHeld) {
   EXPECT_LT((turned_back(found, turned(found, bent)) - bent).norm(), 1e-15);
 }
 
-TEST_P(StepWarpTest, NodeTurnsAreRotationsWhereElementsAreStretchedOrInverted) {
+TEST_P(CoRotatedStepTest, NodeTurnsAreRotationsWhereElementsAreStretchedOrInverted) {
   const NodeTurns turns(body_, elements_.batches());
   const Eigen::Vector3d stretch(2.0, 0.6, 0.8), mirror(1.0, -1.0, 1.0);
   for (const Eigen::Vector3d& scale : {stretch, mirror, Eigen::Vector3d(Eigen::Vector3d::Zero())}) {

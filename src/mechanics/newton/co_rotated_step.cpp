@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "step_warp.h"
+#include "co_rotated_step.h"
 
 #include <cmath>
 
@@ -100,7 +100,7 @@ SOFT_ROBOT_LAB_CLONES void linear_additions(const ElementArrays& e, const double
 
 }  // namespace
 
-StepWarp::StepWarp(const Body& body, const ElementBatches& batches, const BlockPattern& matrix)
+CoRotatedStep::CoRotatedStep(const Body& body, const ElementBatches& batches, const BlockPattern& matrix)
     : batches_(batches), mu_pa_(body.material().lame_mu_pa()) {
   for (int axis = 0; axis < 3; ++axis) {
     const bool as_before = axis > 0 && body.fixed().row(axis) == body.fixed().row(axis - 1);
@@ -108,8 +108,8 @@ StepWarp::StepWarp(const Body& body, const ElementBatches& batches, const BlockP
   }
 }
 
-std::shared_ptr<const StepWarp::Poisson> StepWarp::poisson(const Eigen::Matrix<bool, 1, Eigen::Dynamic>& held,
-                                                           const BlockPattern& matrix) const {
+std::shared_ptr<const CoRotatedStep::Poisson> CoRotatedStep::poisson(const Eigen::Matrix<bool, 1, Eigen::Dynamic>& held,
+                                                                     const BlockPattern& matrix) const {
   auto result = std::make_shared<Poisson>();
   std::vector<int> place(held.size(), -1);
   for (int position = 0; position < matrix.node_count(); ++position) {
@@ -138,7 +138,7 @@ std::shared_ptr<const StepWarp::Poisson> StepWarp::poisson(const Eigen::Matrix<b
   return result;
 }
 
-Eigen::Matrix3Xd StepWarp::follow(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& step_m) const {
+Eigen::Matrix3Xd CoRotatedStep::follow(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& step_m) const {
   const ElementArrays arrays{batches_.count(), batches_.nodes.data(), batches_.gradients.data(),
                              batches_.weights.data(), batches_.mu_ratio.data()};
   Eigen::Matrix3Xd added = Eigen::Matrix3Xd::Zero(3, positions_m.cols());

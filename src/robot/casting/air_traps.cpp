@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "roofs.h"
+#include "air_traps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,12 @@ namespace {
 
 constexpr int kColumns = 600;           // of the section, across the robot
 constexpr double kLevelSlope = 0.035;   // of what counts as level: two degrees
-constexpr double kLevelRoof_m = 0.003;  // a level roof shorter than this lets its air out
+constexpr double kLevelTrap_m = 0.003;  // a level roof shorter than this lets its air out
 constexpr double kBeside_m = 2e-5;      // the section stands this far beside a plane that may hold skin
 
 struct Stretch {  // of silicone, upwards
   double low_m = 0, high_m = 0;
-  int roof = -1;  // which level piece of the section's upper side it belongs to
+  int trap = -1;  // which level piece of the section's upper side it belongs to
 };
 using Column = std::vector<Stretch>;
 
@@ -73,7 +73,7 @@ class Levels {
   std::vector<Level> find() {
     for (int i = 0; i < kColumns; ++i)
       for (Stretch& stretch : at(i))
-        if (stretch.roof < 0) follow(i, stretch);
+        if (stretch.trap < 0) follow(i, stretch);
     return found_;
   }
 
@@ -85,7 +85,7 @@ class Levels {
     Level level{column, column, start.high_m, rises_beside(column, -1, start)};
     Stretch* stretch = &start;
     for (;;) {
-      stretch->roof = static_cast<int>(found_.size());
+      stretch->trap = static_cast<int>(found_.size());
       level.last = column;
       level.height_m = std::max(level.height_m, stretch->high_m);
       Stretch* next = level_beside(column, *stretch);
@@ -100,7 +100,7 @@ class Levels {
   Stretch* level_beside(int column, const Stretch& stretch) {
     if (column + 1 == kColumns) return nullptr;
     for (Stretch& other : at(column + 1))
-      if (other.roof < 0 && joined(stretch, other) && std::abs(other.high_m - stretch.high_m) <= tolerance_m_)
+      if (other.trap < 0 && joined(stretch, other) && std::abs(other.high_m - stretch.high_m) <= tolerance_m_)
         return &other;
     return nullptr;
   }
@@ -127,19 +127,20 @@ double silicone_above(const Column& column, double height_m) {
 
 }  // namespace
 
-std::vector<Roof> find_roofs(const RayTree& robot, const Eigen::Matrix3d& frame, double parting_m) {
+std::vector<AirTrap> find_air_traps(const RayTree& robot, const Eigen::Matrix3d& frame, double parting_m) {
   Section section = section_at(robot, frame, parting_m + kBeside_m);
   Section other = section_at(robot, frame, parting_m - kBeside_m);
   if (other.silicone_m2() > section.silicone_m2()) section = std::move(other);
-  std::vector<Roof> roofs;
+  std::vector<AirTrap> traps;
   for (const Level& level : Levels(section).find()) {
-    if (level.leads_up && (level.last - level.first + 1) * section.step_m < kLevelRoof_m) continue;
+    if (level.leads_up && (level.last - level.first + 1) * section.step_m < kLevelTrap_m) continue;
     const int middle = (level.first + level.last) / 2;
-    roofs.push_back({section.first_m + (level.first + level.last) * section.step_m / 2, level.height_m,
+    traps.push_back({section.first_m + (level.first + level.last) * section.step_m / 2, level.height_m,
                      silicone_above(section.columns[static_cast<size_t>(middle)], level.height_m)});
   }
-  std::stable_sort(roofs.begin(), roofs.end(), [](const Roof& a, const Roof& b) { return a.height_m > b.height_m; });
-  return roofs;
+  std::stable_sort(traps.begin(), traps.end(),
+                   [](const AirTrap& a, const AirTrap& b) { return a.height_m > b.height_m; });
+  return traps;
 }
 
 }  // namespace soft_robot_lab

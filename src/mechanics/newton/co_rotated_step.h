@@ -21,10 +21,10 @@
 
 namespace soft_robot_lab {
 
-class StepWarp {
+class CoRotatedStep {
  public:
   // `batches` holds all elements of the body, and must outlive this; `matrix` gives a good order of elimination.
-  StepWarp(const Body& body, const ElementBatches& batches, const BlockPattern& matrix);
+  CoRotatedStep(const Body& body, const ElementBatches& batches, const BlockPattern& matrix);
 
   // From `positions_m` by `step_m`, which does not move what is held; 3 x nodes. An element that is inverted there, or
   // would be after the step's strain, takes the step as it is.

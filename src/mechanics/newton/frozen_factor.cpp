@@ -11,9 +11,9 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kOldStepsTried = 2;  // by an old factor, before its residual must have fallen
-constexpr double kBearable = 3.0;  // times the residual: what the first of them may leave
-constexpr int kHalves = 2;         // of a step by an old factor: the skin's forces turn more than its matrix knows
+constexpr int kFrozenStepsTried = 2;  // by an old factor, before its residual must have fallen
+constexpr double kBearable = 3.0;     // times the residual: what the first of them may leave
+constexpr int kHalves = 2;            // of a step by an old factor: the skin's forces turn more than its matrix knows
 
 // From one state to another.
 NewtonState halfway(const NewtonState& from, NewtonState to) {
@@ -110,14 +110,14 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
 // A step by the last factor, kept only where it brings the residual down; where it does not, but by little, one more
 // from there, as the forces' norm need not fall where the shape comes nearer. Volume and constraint multipliers stay
 // unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
-bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
-                                  AndersonMixing& mixing) {
+bool NewtonSolver::try_frozen_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
+                                     AndersonMixing& mixing) {
   if (!system_.may_serve(task.inertia_per_s2, task.strain_target != nullptr, here.contact)) return false;
   if (mixing.size() == 0) system_.turn_to(state.positions_m, here.contact.touches);
   const double enough = std::max(task.tolerance, constants::kWorthwhileDecrease * here.relative_residual);
   NewtonState reached;
   Evaluation at_reached;
-  for (int tried = 0; tried < kOldStepsTried; ++tried) {
+  for (int tried = 0; tried < kFrozenStepsTried; ++tried) {
     const NewtonState& from = tried == 0 ? state : reached;
     const Evaluation& at_from = tried == 0 ? here : at_reached;
     Step step;
@@ -138,7 +138,7 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
       return true;
     }
     const bool bearable = there.finite && there.relative_residual <= kBearable * here.relative_residual;
-    if (!bearable || !step.skin.empty() || mixing.size() >= constants::kOldFactorSteps) return false;
+    if (!bearable || !step.skin.empty() || mixing.size() >= constants::kFrozenFactorSteps) return false;
     reached = std::move(trial);
     at_reached = std::move(there);
   }

@@ -96,10 +96,7 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   result.residual_n = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   result.elements = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, result.residual_n);
   double largest = std::max(force_floor_n_, std::max(result.residual_n.norm(), loads_n_.norm()));
-  if (!terms_.empty()) {
-    result.smooth_energy += terms_.add_gradient(state.positions_m, state.drives, result.residual_n);
-    largest = std::max(largest, result.residual_n.norm());
-  }
+  if (!terms_.empty()) largest = std::max(largest, add_terms(state, result));
   result.smooth_energy += result.elements.elastic_energy - loads_n_.cwiseProduct(state.positions_m).sum();
   if (task.inertia_per_s2 > 0.0) {
     const Eigen::Matrix3Xd lag = state.positions_m - *task.predicted_m;
@@ -152,6 +149,12 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   result.finite =
       std::isfinite(residual_n) && std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy);
   return result;
+}
+
+// The size of all forces with theirs.
+double NewtonSolver::add_terms(const NewtonState& state, Evaluation& result) const {
+  result.smooth_energy += terms_.add_gradient(state.positions_m, state.drives, result.residual_n);
+  return result.residual_n.norm();
 }
 
 void NewtonSolver::add_free_obstacles(const NewtonState& state, Evaluation& result) const {

@@ -247,6 +247,7 @@ class NewtonSolver {
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
   void let_faces_go();  // that points have kept while it solved
+  double add_terms(const NewtonState& state, Evaluation& result) const;
   void add_free_obstacles(const NewtonState& state, Evaluation& result) const;
   // The stiffness of friction: of what slips its tangent or its secant, or what is at the limit sticks, or all that
   // rubs on obstacles goes back to where it stuck. No further step is taken by a factor but with the tangent.

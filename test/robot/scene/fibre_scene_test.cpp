@@ -241,5 +241,74 @@ TEST(FibreScene, WindsAroundASurface) {
   EXPECT_NEAR(length_m, 4.0 * std::hypot(2.0 * M_PI * kRadius_m, 0.01), 0.02 * length_m);
 }
 
+Scene load_robot(const std::string& robot) {
+  return load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + robot + "/robot.yaml", tube_options());
+}
+
+double growth_of(const Simulation& simulation, const std::string& chamber) {
+  const ActuatorReading reading = simulation.actuator_state(simulation.actuator_index(chamber));
+  return *reading.volume_m3 / *reading.initial_volume_m3;
+}
+
+TEST(FibreRobots, TheArmBendsAtFortyKilopascalWithoutBallooning) {
+  Scene scene = load_robot("fibre_arm");
+  Simulation& arm = *scene.simulation;
+  arm.set_command("a", 40000.0);
+  const SolveReport report = arm.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_LT(growth_of(arm, "a"), 1.7);
+  const Eigen::Vector3d moved_m = arm.marker_position(1) - arm.markers()[1].rest_position_m();
+  EXPECT_LT(moved_m.x(), -0.05);  // away from the chamber
+}
+
+TEST(FibreRobots, TheFingerCurlsAndItsSensitivityIsThatOfDifferences) {
+  Scene scene = load_robot("fibre_finger");
+  Simulation& finger = *scene.simulation;
+  const auto tip_m = [&](double pressure_pa) {
+    finger.set_command("air", pressure_pa);
+    const SolveReport report = finger.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    return finger.marker_position(1);
+  };
+  const Eigen::Vector3d more = tip_m(30300.0), less = tip_m(29700.0), by_difference = (more - less) / 600.0;
+  const Eigen::Vector3d at = tip_m(30000.0), exact = finger.marker_sensitivities().block<3, 1>(3, 0);
+  EXPECT_LT(at.z(), -0.02);
+  EXPECT_LT((exact - by_difference).norm(), 0.01 * exact.norm());
+  EXPECT_LT(growth_of(finger, "air"), 1.5);
+}
+
+TEST(FibreRobots, MoveInTimeToTheSameRest) {
+  Scene scene = load_robot("fibre_finger");
+  Simulation& finger = *scene.simulation;
+  finger.set_command("air", 10000.0);
+  ASSERT_TRUE(finger.solve_equilibrium().converged);
+  const Eigen::Vector3d rest_m = finger.marker_position(1);
+  finger.reset();
+  finger.set_command("air", 10000.0);
+  finger.keep_energy_ledger();
+  for (int i = 0; i < 240; ++i) ASSERT_TRUE(finger.step().converged) << i;
+  EXPECT_LT((finger.marker_position(1) - rest_m).norm(), 5e-4);
+  const EnergyLedger ledger = *finger.energy_ledger();
+  EXPECT_LT(std::abs(ledger.closure_error_j), 0.01 * ledger.turned_over_j);
+}
+
+std::string refusal(const std::string& more) {
+  const SceneFolder folder;
+  Tube tube;
+  tube.fibres = "  - {name: a, axial_stiffness_n: 1, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}\n";
+  try {
+    load_scene(folder.write("tube.yaml", scene_of(tube) + more), tube_options());
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FibreScene, SaysWhichSolversDoNotKnowFibres) {
+  EXPECT_NE(refusal("solver: {method: xpbd}\n").find("choose method newton"), std::string::npos);
+  EXPECT_EQ(refusal(""), "");
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

@@ -220,6 +220,14 @@ TEST(FibreScene, RefusesWhatCannotBe) {
            {"{name: a, axial_stiffness_n: .nan, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}", "axial_stiffness_n"},
            {"{name: a, modulus_pa: 1.0e+9, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}", "diameter_m"},
            {"{name: a, axial_stiffness_n: 1}", "must have one of"},
+           {"{name: a, modulus_pa: 1, sheet: {thickness_m: 1, corners_m: [[0, 0, 0], [0, 0, 1], [0, 1, 2]]}}",
+            "right angle"},
+           {"{name: a, only_tension: true, modulus_pa: 1, sheet: {thickness_m: 1, corners_m: [[0, 0, 0], [0, 0, 1], "
+            "[0, 1, 1]]}}",
+            "must be false"},
+           {"{name: a, modulus_pa: 1, sheet: {thickness_m: 0, corners_m: [[0, 0, 0], [0, 0, 1], [0, 1, 1]]}}",
+            "thickness_m"},
+           {"{name: a, modulus_pa: 1, sheet: {thickness_m: 1, corners_m: [[0, 0, 0], [0, 0, 1]]}}", "three corners"},
            {"{name: a, axial_stiffness_n: 1, points_m: [[0.01, 0, 0.01]]}", "two points"},
            {"{name: a, axial_stiffness_n: 1, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]], pitch: 1}", "pitch"}})
     EXPECT_NE(message_of("  - " + text + "\n").find(said), std::string::npos) << text << "\n"
@@ -239,6 +247,34 @@ TEST(FibreScene, WindsAroundASurface) {
   double length_m = 0.0;
   for (const FibreGroup& group : scene.simulation->body().fibre_groups()) length_m += group.rest_length_m;
   EXPECT_NEAR(length_m, 4.0 * std::hypot(2.0 * M_PI * kRadius_m, 0.01), 0.02 * length_m);
+}
+
+// Of a bar of 100 x 20 x 4 mm with a sheet in its middle plane, pulled along x.
+double stretched_m(const std::string& corners, double force_n) {
+  const SceneFolder folder;
+  const std::string text =
+      R"(body:
+  solid: {box: {size_m: [0.1, 0.02, 0.004], center_m: [0.05, 0, 0]}}
+  element_size_m: 0.006
+  material: {youngs_modulus_pa: 100000, poissons_ratio: 0.45}
+  fixed: [{box: {min_m: [-1, -1, -1], max_m: [1.0e-6, 1, 1]}}]
+fibres: [{name: paper, modulus_pa: 1.0e+8, sheet: {thickness_m: 0.0001, corners_m: )" +
+      corners + "}}]\nloads: [{box: {min_m: [0.099999, -1, -1], max_m: [1, 1, 1]}, force_n: [" +
+      std::to_string(force_n) +
+      ", 0, 0]}]\nmarkers:\n  - {name: low, position_m: [0.03, 0, 0]}\n  - {name: high, position_m: "
+      "[0.07, 0, 0]}\n";
+  Scene scene = load_scene(folder.write("sheet.yaml", text), tube_options());
+  EXPECT_TRUE(run_scene(scene).solve.converged);
+  return strain_of(*scene.simulation);
+}
+
+TEST(FibreScene, ASheetIsAnEvenMembrane) {
+  // E t w of the sheet and E A of the silicone.
+  constexpr double kStiffness_n = 1e8 * 1e-4 * 0.02 + 1e5 * 0.02 * 0.004, kForce_n = 0.2;
+  const double along = stretched_m("[[0.1, -0.01, 0], [0, -0.01, 0], [0, 0.01, 0]]", kForce_n);
+  const double turned = stretched_m("[[0, 0.01, 0], [0, -0.01, 0], [0.1, -0.01, 0]]", kForce_n);
+  EXPECT_NEAR(along * kStiffness_n / kForce_n, 1.0, 0.02);
+  EXPECT_NEAR(turned / along, 1.0, 0.02);
 }
 
 Scene load_robot(const std::string& robot) {

@@ -17,6 +17,8 @@ declare -A poses=(
   [tentacle]='{names: [tendon_1], values: [5]}'
   [bubblebot]='{names: [b], values: [70]}'
   [bubblefinger]='{names: [main], values: [70]}'
+  [fibre_arm]='{names: [a], values: [30000]}'
+  [fibre_finger]='{names: [air], values: [40000]}'
   [hollow_cuboid]='{names: [main], values: [2.5]}'
   [hanging_bar]='{names: [cable], values: [0.92]}'
 )

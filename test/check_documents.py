@@ -24,7 +24,7 @@ SECTIONS = {
     'Scene': {
         'config': ['robots/*/robot.yaml', 'robots/*/fine.yaml', 'scenes'],
         'strict': ['mechanics/actuators', 'mechanics/mesh/cable_path.cpp', 'robot/design/solid.cpp', 'robot/design/mesh_refinement.cpp', 'robot/design/casting_settings.cpp',
-                   'robot/scene/actuator_section.cpp', 'robot/scene/body_section.cpp', 'robot/scene/contact_section.cpp',
+                   'robot/scene/actuator_section.cpp', 'robot/scene/body_section.cpp', 'robot/scene/fibre_section.cpp', 'robot/scene/contact_section.cpp',
                    'robot/scene/fidelity_section.cpp', 'robot/scene/include_files.cpp', 'robot/scene/material_section.cpp', 'robot/scene/mesh_section.cpp',
                    'robot/scene/obstacle_mesh.cpp', 'robot/scene/parameters.cpp', 'robot/scene/reduction_section.cpp', 'robot/scene/run_section.cpp', 'robot/scene/solver_section.cpp'],
         'loose': ['robot/scene/choose_fidelity.cpp', 'robot/scene/fidelity_report.cpp', 'robot/scene/scene_cables.cpp',

@@ -44,6 +44,7 @@ void print(const CastingVerdict& verdict) {
               << margin << "\n";
     if (!test.passed) std::cout << "          " << test.why << "\n";
   }
+  if (!verdict.note.empty()) std::cout << "  note    " << verdict.note << "\n";
 }
 
 int check(const Arguments& arguments) {
@@ -52,7 +53,8 @@ int check(const Arguments& arguments) {
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const auto load = arguments.surface_alone ? load_cast_surface : load_cast_robot_in_use;
   const CastRobotFile file = load(arguments.robot, options);
-  const CastingVerdict verdict = with_allowed_moulds(file, check_casting(file));
+  CastingVerdict verdict = with_allowed_moulds(file, check_casting(file));
+  verdict.note = note_on_fibres(file.fibres);
   if (!arguments.result.empty()) write_file(arguments.result, verdict_json(verdict));
   if (!arguments.page.empty())
     write_verdict(verdict, robot_name(arguments.robot), file.settings.min_thickness_m, arguments.page);

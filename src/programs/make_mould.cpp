@@ -63,6 +63,7 @@ int make(const Arguments& arguments) {
   if (!mould.faults.empty()) return kNotGood;
   write_mould(mould, robot_name(arguments.robot), arguments.output);
   print(mould, arguments.output);
+  if (!file.fibres.empty()) std::cout << "note: " << note_on_fibres(file.fibres) << "\n";
   return kGood;
 }
 

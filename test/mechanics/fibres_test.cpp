@@ -51,12 +51,12 @@ void pull_end(Body& body, const Eigen::Vector3d& force_n, const Eigen::Matrix3d&
                      turn * force_n / (kPoints * kPoints));
 }
 
-Eigen::Vector3d end_motion_m(Body body, const Eigen::Matrix3d& turn, SolveReport* told = nullptr) {
+Eigen::Vector3d end_motion_m(Body body, const Eigen::Matrix3d& turn, SolveReport* report = nullptr) {
   const EmbeddedPoint end = MeshLocator(body.mesh()).embed(turn * Eigen::Vector3d(kLength_m, 0, 0));
   Simulation simulation(std::move(body), {}, {}, SolverOptions());
-  const SolveReport report = simulation.solve_equilibrium();
-  EXPECT_TRUE(report.converged) << report.message;
-  if (told) *told = report;
+  const SolveReport solved = simulation.solve_equilibrium();
+  EXPECT_TRUE(solved.converged) << solved.message;
+  if (report) *report = solved;
   return turn.transpose() * end.at(simulation.state().positions_m - simulation.body().mesh().nodes_m);
 }
 

@@ -86,6 +86,9 @@ PARTS = {
     "`rayleigh_mass_per_s`": ({"body": body_with("damping: {rayleigh_mass_per_s: 2}")}, 0.95),
     "`rayleigh_stiffness_s`": ({"body": body_with("damping: {rayleigh_stiffness_s: 0.01}")}, 0.95),
     "hysteresis": ({"body": body_with("hysteresis: {stiffness_ratio: 0.2, relaxation_time_s: 1}")}, 0.95),
+    "`fibres`": ({"fibres": "fibres: [{name: thread, axial_stiffness_n: 20, points_m: [[-0.006, 0, -0.005], "
+                            "[-0.006, 0, -0.055]]}, {name: wound, axial_stiffness_n: 20, winding: {start_m: [0, 0, -0.01], "
+                            "end_m: [0, 0, -0.05], radius_m: 0.007, pitch_m: 0.01}}]"}, 0.95),
     "loads": ({"loads": "loads: [{box: {min_m: [-1, -1, -1], max_m: [1, 1, -0.0599]}, force_n: [0.02, 0, 0]}, "
                         "{marker: tip, mass_kg: 0.002}]"}, 0.95),
     "held end that moves": ({"body": BAR["body"].replace(

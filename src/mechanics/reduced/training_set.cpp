@@ -28,6 +28,9 @@ void require_supported(const Model& model) {
   if (body.linear_volume() != LinearVolume::element) what = "vertex-averaged volumes";
   if (model.options().method != SolverOptions::Method::newton) what = "training with a method other than newton";
   if (model.options().integrator != Integrator::implicit_euler) what = "an integrator other than implicit_euler";
+  if (!body.fibres().empty()) what = "fibres; choose method newton";
+  for (const auto& actuator : model.actuators())
+    if (!actuator->energy_terms().empty()) what = "actuators with an energy of their own; choose method newton";
   if (model.actuators().empty()) what = "a body without actuators";
   if (what) throw std::invalid_argument(std::string("a reduced model does not know ") + what);
 }

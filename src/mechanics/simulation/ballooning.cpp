@@ -31,7 +31,8 @@ std::string text_of(const ActuatorReading& chamber, double highest_pa, double ti
   std::ostringstream text;
   text << "chamber '" << chamber.name << "' has no rest state above " << highest_pa << " Pa nearby: it balloons, to "
        << times
-       << " times its first volume; thicker walls hold more, and `command: volume_offset` or `syringe` sets its gas";
+       << " times its first volume; thicker walls or threads around it (`fibres`) hold more, and `command: "
+          "volume_offset` or `syringe` sets its gas";
   return text.str();
 }
 

@@ -12,6 +12,7 @@
 #include "robot/design/surface_file.h"
 #include "robot/scene/sections.h"
 #include "settings/limits.h"
+#include "settings/read_name.h"
 #include "settings/words.h"
 #include "soft_robot_lab/robot/design/solid.h"
 
@@ -87,6 +88,7 @@ CastRobotFile read_blocks(const YamlNode& settings, const SceneOptions& options)
   const YamlNode body = settings.child("body");
   if (body.has("solid")) file.solid = without_inserts(read_body_solid(body), file.settings.inserts);
   file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
+  for (const YamlNode& fibre : settings.optional_sequence("fibres")) file.fibres.push_back(read_name(fibre));
   return file;
 }
 
@@ -119,9 +121,9 @@ SceneOptions held(const YamlNode& settings, SceneOptions options) {
 
 // Blocks of a scene that casting does not look into.
 void refuse_unknown_blocks(const YamlNode& settings) {
-  const std::vector<std::string> known{"actuators", "bodies",  "body",       "cables",       "casting",
-                                       "chambers",  "contact", "fidelity",   "gravity_m_s2", "include",
-                                       "loads",     "markers", "parameters", "run",          "solver"};
+  const std::vector<std::string> known{"actuators", "bodies",     "body",     "cables",       "casting", "chambers",
+                                       "contact",   "fibres",     "fidelity", "gravity_m_s2", "include", "loads",
+                                       "markers",   "parameters", "run",      "solver"};
   for (const std::string& key : settings.keys())
     if (std::find(known.begin(), known.end(), key) == known.end())
       settings.child(key).fail("is no block of a robot's file; known: " + join(known));
@@ -177,6 +179,12 @@ std::vector<SheathPiece> pieces_on_shelves(const CastRobotFile& file) {
   const CastShape shape(file.robot.surface);
   if (!can_lie_on_shelves(file.robot.sheaths, way_out(shape, file.settings))) return {};
   return sheath_pieces(shape.tree, file.robot.sheaths, file.settings.sheath.longest_slot_m);
+}
+
+std::string note_on_fibres(const std::vector<std::string>& fibres) {
+  if (fibres.empty()) return "";
+  return "fibres are inserts that no rule looks at (" + join(fibres) +
+         "): wind them on a core or stretch them in the mould before it is filled, or cast in two layers";
 }
 
 MouldHeights heights_along(const Surface& surface, const Eigen::Vector3d& direction) {

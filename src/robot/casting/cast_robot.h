@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "check_casting.h"
 #include "shelves.h"
@@ -14,8 +15,9 @@ namespace soft_robot_lab {
 struct CastRobotFile {
   CastRobot robot;
   CastingSettings settings;
-  std::optional<Solid> solid;  // none: its body is a mesh
-  MesherOptions mesher;        // that made the surface
+  std::optional<Solid> solid;       // none: its body is a mesh
+  MesherOptions mesher;             // that made the surface
+  std::vector<std::string> fibres;  // names of threads: inserts that lie in the mould before it is filled
 };
 
 // Reads a robot's file as a scene, with its strict keys, and the surface of its body: its solid's, or its mesh's where
@@ -39,6 +41,9 @@ Surface surface_of_solid(const Solid& solid, double size_m, const MesherOptions&
 
 // What lies on shelves of a robot's mould; nothing where its sheaths have none, or cannot have any.
 std::vector<SheathPiece> pieces_on_shelves(const CastRobotFile& file);
+
+// What is said of fibres beside a verdict or a mould, which know nothing of them; empty where there are none.
+std::string note_on_fibres(const std::vector<std::string>& fibres);
 
 // The lowest and the highest skin along a direction.
 MouldHeights heights_along(const Surface& surface, const Eigen::Vector3d& direction);

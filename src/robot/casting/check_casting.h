@@ -41,6 +41,7 @@ struct CastingVerdict {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   bool direction_given = false;
   std::vector<CastingTest> tests;
+  std::string note{};               // on what no test looks at; may be empty
   Surface judged;                   // which the triangles below are of
   std::vector<int> blocked;         // triangles in the way
   std::vector<double> thickness_m;  // of each triangle, by balls
@@ -53,7 +54,7 @@ Eigen::Vector3d way_out(const CastShape& shape, const CastingSettings& settings)
 
 CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& settings);
 
-// {castable, direction, tests: {...}}.
+// {castable, direction, tests: {...}, note}.
 std::string verdict_json(const CastingVerdict& verdict);
 
 // A test's worst values beside their limits, as "7.9 mm, at least 2 mm"; what does not exist is left out.

@@ -33,6 +33,7 @@ std::string verdict_json(const CastingVerdict& verdict) {
   json["direction"] = vector(verdict.direction);
   json["direction_given"] = verdict.direction_given;
   for (const CastingTest& test : verdict.tests) json["tests"][test.name] = test_json(test);
+  if (!verdict.note.empty()) json["note"] = verdict.note;
   return json.dump(2) + "\n";
 }
 

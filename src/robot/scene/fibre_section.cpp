@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `fibres`: windings, rings and straight threads in the silicone.
+// `fibres`: windings, rings, straight threads and sheets in the silicone.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -17,6 +17,8 @@ namespace {
 
 constexpr int M_PIecesATurn = 64;  // straight ones: 0.1 % of the radius beside the circle
 constexpr double kMostTurns = 2000.0;
+constexpr double kSheetSpacing =
+    0.125;  // of an element's edge: where only one or two threads cross it they are no sheet
 
 // How far a winding is from its axis: evenly, or as far as a surface and a little more.
 class Mandrel {
@@ -157,6 +159,69 @@ Lines read_rings(const YamlNode& node, const Body& body) {
   return lines;
 }
 
+// Straight threads a spacing apart over a rectangle, that go `angle_rad` from its first side.
+Lines threads_over(const Eigen::Vector2d& size_m, double angle_rad, double spacing_m, const Eigen::Vector3d& corner_m,
+                   const Eigen::Matrix<double, 3, 2>& axes) {
+  const Eigen::Vector2d way(std::cos(angle_rad), std::sin(angle_rad)), across(-way.y(), way.x());
+  const Eigen::Vector2d middle_m = 0.5 * size_m;
+  const int count = static_cast<int>(std::ceil(size_m.norm() / spacing_m));
+  Lines lines;
+  for (int i = -count; i < count; ++i) {
+    const Eigen::Vector2d at_m = middle_m + (i + 0.5) * spacing_m * across;
+    double from_m = -size_m.norm(), to_m = size_m.norm();
+    for (int axis = 0; axis < 2; ++axis) {
+      if (std::abs(way[axis]) < 1e-9) {
+        if (at_m[axis] < 0.0 || at_m[axis] > size_m[axis]) to_m = from_m;
+        continue;
+      }
+      const double first_m = -at_m[axis] / way[axis], second_m = (size_m[axis] - at_m[axis]) / way[axis];
+      from_m = std::max(from_m, std::min(first_m, second_m));
+      to_m = std::min(to_m, std::max(first_m, second_m));
+    }
+    if (to_m - from_m < 1e-6 * size_m.norm()) continue;
+    lines.push_back({corner_m + axes * (at_m + from_m * way), corner_m + axes * (at_m + to_m * way)});
+  }
+  return lines;
+}
+
+double element_edge_m(const TetMesh& mesh) { return std::cbrt(6.0 * std::sqrt(2.0) * volume(mesh) / mesh.tet_count()); }
+
+double length_of(const Lines& lines) {
+  double sum_m = 0.0;
+  for (const auto& line : lines) sum_m += (line.back() - line.front()).norm();
+  return sum_m;
+}
+
+// Threads that go three ways, 60 degrees apart, are an even membrane with a Poisson's ratio of 1/3 and a modulus times
+// thickness of E A over their spacing. Under tension some of them push, so all may.
+std::vector<Fibre> read_sheet(const YamlNode& item, const Body& body) {
+  const YamlNode node = item.child("sheet");
+  if (item.boolean_or("only_tension", false))
+    item.child("only_tension").fail("must be false for a sheet: without push its threads are no even membrane");
+  const std::vector<Eigen::Vector3d> corners_m = read_points(node, "corners_m");
+  if (corners_m.size() != 3) node.child("corners_m").fail("must be three corners of a rectangle, one after the other");
+  const Eigen::Vector3d first_m = corners_m[0] - corners_m[1], second_m = corners_m[2] - corners_m[1];
+  const Eigen::Vector2d size_m(first_m.norm(), second_m.norm());
+  if (std::abs(first_m.dot(second_m)) > 1e-6 * size_m.prod())
+    node.child("corners_m").fail("has no right angle at its second corner");
+  Eigen::Matrix<double, 3, 2> axes;
+  axes << first_m / size_m.x(), second_m / size_m.y();
+  const double stiffness_n_m =
+      item.number("modulus_pa", AllowedRange::positive()) * node.number("thickness_m", AllowedRange::positive());
+  const double spacing_m =
+      node.number_or("spacing_m", std::min(kSheetSpacing * element_edge_m(body.mesh()), 0.25 * size_m.minCoeff()),
+                     AllowedRange::positive());
+  check_turns(node.has("spacing_m") ? node.child("spacing_m") : node, size_m.maxCoeff() / spacing_m);
+  std::vector<Fibre> ways;
+  for (int way = 0; way < 3; ++way) {
+    Fibre fibre{read_name(item), threads_over(size_m, way * M_PI / 3.0, spacing_m, corners_m[1], axes), 0.0, false};
+    if (fibre.lines_m.empty()) node.child("spacing_m").fail("is wider than the sheet");
+    fibre.axial_stiffness_n = stiffness_n_m * size_m.prod() / length_of(fibre.lines_m);
+    ways.push_back(std::move(fibre));
+  }
+  return ways;
+}
+
 double read_stiffness_n(const YamlNode& node) {
   if (node.has("axial_stiffness_n") == node.has("modulus_pa"))
     node.fail("must have one of axial_stiffness_n, modulus_pa (with diameter_m)");
@@ -165,17 +230,19 @@ double read_stiffness_n(const YamlNode& node) {
   return node.number("modulus_pa", AllowedRange::positive()) * M_PI / 4.0 * diameter_m * diameter_m;
 }
 
-Fibre read_fibre(const YamlNode& node, const Body& body) {
+std::vector<Fibre> read_fibre(const YamlNode& node, const Body& body) {
+  const std::vector<std::string> kinds{"winding", "rings", "points_m", "sheet"};
+  if (node.has(kinds[0]) + node.has(kinds[1]) + node.has(kinds[2]) + node.has(kinds[3]) != 1)
+    node.fail("must have one of " + join(kinds));
+  if (node.has("sheet")) return read_sheet(node, body);
   Fibre fibre;
   fibre.name = read_name(node);
   fibre.axial_stiffness_n = read_stiffness_n(node);
   fibre.only_tension = node.boolean_or("only_tension", true);
-  const std::vector<std::string> kinds{"winding", "rings", "points_m"};
-  if (node.has(kinds[0]) + node.has(kinds[1]) + node.has(kinds[2]) != 1) node.fail("must have one of " + join(kinds));
   if (node.has("winding")) fibre.lines_m = read_winding(node.child("winding"), body);
   if (node.has("rings")) fibre.lines_m = read_rings(node.child("rings"), body);
   if (node.has("points_m")) fibre.lines_m = {read_points(node, "points_m")};
-  return fibre;
+  return {fibre};
 }
 
 }  // namespace
@@ -183,9 +250,9 @@ Fibre read_fibre(const YamlNode& node, const Body& body) {
 void read_fibres(const YamlNode& scene, Body& body) {
   std::set<std::string> names;
   for (const YamlNode& item : scene.optional_sequence("fibres")) {
-    Fibre fibre = read_fibre(item, body);
-    if (!names.insert(fibre.name).second) item.fail("two fibres are named '" + fibre.name + "'");
-    in_section(item, [&] { body.add_fibre(std::move(fibre)); });
+    const std::vector<Fibre> fibres = read_fibre(item, body);
+    if (!names.insert(fibres.front().name).second) item.fail("two fibres are named '" + fibres.front().name + "'");
+    for (const Fibre& fibre : fibres) in_section(item, [&] { body.add_fibre(fibre); });
   }
 }
 

@@ -220,6 +220,14 @@ TEST(FibreScene, RefusesWhatCannotBe) {
            {"{name: a, axial_stiffness_n: .nan, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}", "axial_stiffness_n"},
            {"{name: a, modulus_pa: 1.0e+9, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}", "diameter_m"},
            {"{name: a, axial_stiffness_n: 1}", "must have one of"},
+           {"{name: a, modulus_pa: 1, sheet: {thickness_m: 1, corners_m: [[0, 0, 0], [0, 0, 1], [0, 1, 2]]}}",
+            "right angle"},
+           {"{name: a, only_tension: true, modulus_pa: 1, sheet: {thickness_m: 1, corners_m: [[0, 0, 0], [0, 0, 1], "
+            "[0, 1, 1]]}}",
+            "must be false"},
+           {"{name: a, modulus_pa: 1, sheet: {thickness_m: 0, corners_m: [[0, 0, 0], [0, 0, 1], [0, 1, 1]]}}",
+            "thickness_m"},
+           {"{name: a, modulus_pa: 1, sheet: {thickness_m: 1, corners_m: [[0, 0, 0], [0, 0, 1]]}}", "three corners"},
            {"{name: a, axial_stiffness_n: 1, points_m: [[0.01, 0, 0.01]]}", "two points"},
            {"{name: a, axial_stiffness_n: 1, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]], pitch: 1}", "pitch"}})
     EXPECT_NE(message_of("  - " + text + "\n").find(said), std::string::npos) << text << "\n"
@@ -239,6 +247,103 @@ TEST(FibreScene, WindsAroundASurface) {
   double length_m = 0.0;
   for (const FibreGroup& group : scene.simulation->body().fibre_groups()) length_m += group.rest_length_m;
   EXPECT_NEAR(length_m, 4.0 * std::hypot(2.0 * M_PI * kRadius_m, 0.01), 0.02 * length_m);
+}
+
+// Of a bar of 100 x 20 x 4 mm with a sheet in its middle plane, pulled along x.
+double stretched_m(const std::string& corners, double force_n) {
+  const SceneFolder folder;
+  const std::string text =
+      R"(body:
+  solid: {box: {size_m: [0.1, 0.02, 0.004], center_m: [0.05, 0, 0]}}
+  element_size_m: 0.006
+  material: {youngs_modulus_pa: 100000, poissons_ratio: 0.45}
+  fixed: [{box: {min_m: [-1, -1, -1], max_m: [1.0e-6, 1, 1]}}]
+fibres: [{name: paper, modulus_pa: 1.0e+8, sheet: {thickness_m: 0.0001, corners_m: )" +
+      corners + "}}]\nloads: [{box: {min_m: [0.099999, -1, -1], max_m: [1, 1, 1]}, force_n: [" +
+      std::to_string(force_n) +
+      ", 0, 0]}]\nmarkers:\n  - {name: low, position_m: [0.03, 0, 0]}\n  - {name: high, position_m: "
+      "[0.07, 0, 0]}\n";
+  Scene scene = load_scene(folder.write("sheet.yaml", text), tube_options());
+  EXPECT_TRUE(run_scene(scene).solve.converged);
+  return strain_of(*scene.simulation);
+}
+
+TEST(FibreScene, ASheetIsAnEvenMembrane) {
+  // E t w of the sheet and E A of the silicone.
+  constexpr double kStiffness_n = 1e8 * 1e-4 * 0.02 + 1e5 * 0.02 * 0.004, kForce_n = 0.2;
+  const double along = stretched_m("[[0.1, -0.01, 0], [0, -0.01, 0], [0, 0.01, 0]]", kForce_n);
+  const double turned = stretched_m("[[0, 0.01, 0], [0, -0.01, 0], [0.1, -0.01, 0]]", kForce_n);
+  EXPECT_NEAR(along * kStiffness_n / kForce_n, 1.0, 0.02);
+  EXPECT_NEAR(turned / along, 1.0, 0.02);
+}
+
+Scene load_robot(const std::string& robot) {
+  return load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + robot + "/robot.yaml", tube_options());
+}
+
+double growth_of(const Simulation& simulation, const std::string& chamber) {
+  const ActuatorReading reading = simulation.actuator_state(simulation.actuator_index(chamber));
+  return *reading.volume_m3 / *reading.initial_volume_m3;
+}
+
+TEST(FibreRobots, TheArmBendsAtFortyKilopascalWithoutBallooning) {
+  Scene scene = load_robot("fibre_arm");
+  Simulation& arm = *scene.simulation;
+  arm.set_command("a", 40000.0);
+  const SolveReport report = arm.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_LT(growth_of(arm, "a"), 1.7);
+  const Eigen::Vector3d moved_m = arm.marker_position(1) - arm.markers()[1].rest_position_m();
+  EXPECT_LT(moved_m.x(), -0.05);  // away from the chamber
+}
+
+TEST(FibreRobots, TheFingerCurlsAndItsSensitivityIsThatOfDifferences) {
+  Scene scene = load_robot("fibre_finger");
+  Simulation& finger = *scene.simulation;
+  const auto tip_m = [&](double pressure_pa) {
+    finger.set_command("air", pressure_pa);
+    const SolveReport report = finger.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    return finger.marker_position(1);
+  };
+  const Eigen::Vector3d more = tip_m(30300.0), less = tip_m(29700.0), by_difference = (more - less) / 600.0;
+  const Eigen::Vector3d at = tip_m(30000.0), exact = finger.marker_sensitivities().block<3, 1>(3, 0);
+  EXPECT_LT(at.z(), -0.02);
+  EXPECT_LT((exact - by_difference).norm(), 0.01 * exact.norm());
+  EXPECT_LT(growth_of(finger, "air"), 1.5);
+}
+
+TEST(FibreRobots, MoveInTimeToTheSameRest) {
+  Scene scene = load_robot("fibre_finger");
+  Simulation& finger = *scene.simulation;
+  finger.set_command("air", 10000.0);
+  ASSERT_TRUE(finger.solve_equilibrium().converged);
+  const Eigen::Vector3d rest_m = finger.marker_position(1);
+  finger.reset();
+  finger.set_command("air", 10000.0);
+  finger.keep_energy_ledger();
+  for (int i = 0; i < 240; ++i) ASSERT_TRUE(finger.step().converged) << i;
+  EXPECT_LT((finger.marker_position(1) - rest_m).norm(), 5e-4);
+  const EnergyLedger ledger = *finger.energy_ledger();
+  EXPECT_LT(std::abs(ledger.closure_error_j), 0.01 * ledger.turned_over_j);
+}
+
+std::string refusal(const std::string& more) {
+  const SceneFolder folder;
+  Tube tube;
+  tube.fibres = "  - {name: a, axial_stiffness_n: 1, points_m: [[0.01, 0, 0.01], [0.01, 0, 0.05]]}\n";
+  try {
+    load_scene(folder.write("tube.yaml", scene_of(tube) + more), tube_options());
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FibreScene, SaysWhichSolversDoNotKnowFibres) {
+  EXPECT_NE(refusal("solver: {method: xpbd}\n").find("choose method newton"), std::string::npos);
+  EXPECT_EQ(refusal(""), "");
 }
 
 }  // namespace

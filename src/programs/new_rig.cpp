@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "session/report/frame_recorder.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/settings/config_folder.h"
+#include "settings/point_text.h"
 #include "settings/read_file.h"
 #include "settings/words.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -48,12 +50,19 @@ void declare(CommandLine& app, Arguments& arguments) {
       .type_name("FILE");
   app.add_flag("--force", arguments.force, "write over files that are there");
   app.footer(
-      "Writes motors.yaml, plant.yaml, tracker.yaml and balls.yaml, and says how to start a session with them.\n"
+      "Writes motors.yaml, plant.yaml, tracker.yaml and balls.yaml, with --cameras camera_poses.yaml too, and says "
+      "how\n"
+      "to start a session with them.\n"
       "Exit status: 0 written, 1 written, but no camera sees a marker, 2 bad file or arguments, or nothing written.");
 }
 
 // Before the scene is loaded, whose plugins are not known here.
-void require_known_actuators(const YamlNode& robot) {
+void require_usable(const YamlNode& robot) {
+  const auto solver = robot.optional_child("solver");
+  if (solver && solver->text_or("method", "newton") == "reduced")
+    solver->fail(
+        "method: the robot of an emulated rig is not reduced; give the robot's file without it, and the session "
+        "solver:=reduced");
   for (const YamlNode& item : robot.optional_sequence("actuators")) {
     const std::string plugin = item.text("plugin");
     if (plugin != "soft_robot_lab/Cable" && plugin != "soft_robot_lab/Chamber")
@@ -92,17 +101,17 @@ std::string include_path(const fs::path& robot, const fs::path& folder) {
 
 std::vector<RigFile> files(const fs::path& folder, const std::vector<std::string>& texts) {
   std::vector<RigFile> files;
-  const std::vector<std::string> names{"motors.yaml", "plant.yaml", "tracker.yaml", "balls.yaml"};
-  for (std::size_t i = 0; i < names.size(); ++i) files.push_back({(folder / names[i]).string(), texts[i], {}});
+  const std::vector<std::string> names{"motors.yaml", "plant.yaml", "tracker.yaml", "balls.yaml", "camera_poses.yaml"};
+  for (std::size_t i = 0; i < texts.size(); ++i) files.push_back({(folder / names[i]).string(), texts[i], {}});
   return files;
 }
 
-void require_free(const fs::path& folder, bool force) {
+void require_free(const fs::path& folder, std::size_t count, bool force) {
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw std::invalid_argument("--output: '" + folder.string() + "' is no folder");
   if (force) return;
   std::vector<std::string> there;
-  for (const RigFile& file : files(folder, std::vector<std::string>(4)))
+  for (const RigFile& file : files(folder, std::vector<std::string>(count)))
     if (fs::exists(file.path)) there.push_back(file.path);
   if (!there.empty())
     throw std::invalid_argument("there already: " + join(there) + "; choose another --output, or --force");
@@ -148,7 +157,7 @@ void check_files(const std::string& robot, const Simulation& simulation, const f
   read_ball_placement(folder / "balls.yaml");
 }
 
-// Which markers the tracker finds in pictures without noise, and how many cameras see each.
+// Markers that the tracker does not find in pictures without noise, with their places.
 std::vector<std::string> unseen_markers(const Simulation& simulation, const CameraSetup& cameras,
                                         const TrackerSettings& settings) {
   std::vector<TrackedMarker> markers;
@@ -162,10 +171,12 @@ std::vector<std::string> unseen_markers(const Simulation& simulation, const Came
   std::vector<Eigen::Vector3d> expected_m;
   for (Eigen::Index i = 0; i < shot.markers_m.cols(); ++i) expected_m.push_back(shot.markers_m.col(i));
   tracker.set_simulated(expected_m);
-  std::vector<std::string> unseen;
-  for (const TrackedMarker& marker : markers) unseen.push_back(marker.name);
+  std::map<std::string, Eigen::Vector3d> unseen_m;
+  for (const TrackedMarker& marker : markers) unseen_m[marker.name] = marker.rest_position_m;
   for (const MarkerObservation& found : tracker.update(shot.frames).markers)
-    if (found.source == MarkerSource::seen) unseen.erase(std::find(unseen.begin(), unseen.end(), found.name));
+    if (found.source == MarkerSource::seen) unseen_m.erase(found.name);
+  std::vector<std::string> unseen;
+  for (const auto& [marker, place_m] : unseen_m) unseen.push_back(marker + " at " + point_text(place_m));
   return unseen;
 }
 
@@ -179,11 +190,20 @@ std::string word(const std::string& text) {
   return quoted + "'";
 }
 
+// What a session of other cameras than the usual ones needs.
+std::string camera_arguments(const std::string& file, const CameraSetup& cameras, const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const RigCamera& camera : cameras.cameras) names.push_back(camera.pose.name);
+  return " camera_setup:=" + word(fs::absolute(file).string()) +
+         " camera_poses:=" + word((folder / "camera_poses.yaml").string()) +
+         " camera_names:=" + word("[" + join(names) + "]") + " overlay_camera:=" + word(names.front());
+}
+
 void print(const std::string& name, const fs::path& robot, const fs::path& folder, const std::string& cameras) {
-  std::cout << "wrote motors.yaml, plant.yaml, tracker.yaml and balls.yaml into " << printable(folder.string())
+  std::cout << "wrote the rig of " << printable(name) << " into " << printable(folder.string())
             << "\nan emulated session   roslaunch soft_robot_lab session.launch robot:=" << word(name)
-            << " scene:=" << word(robot.string()) << " rig_folder:=" << word(folder.string())
-            << (cameras.empty() ? "" : " camera_setup:=" + word(fs::absolute(cameras).string())) << " emulated:=true\n";
+            << " scene:=" << word(robot.string()) << " rig_folder:=" << word(folder.string()) << cameras
+            << " emulated:=true\n";
 }
 
 int write(const Arguments& arguments) {
@@ -191,27 +211,29 @@ int write(const Arguments& arguments) {
   const std::string name = name_of_robot(arguments.robot);
   const fs::path folder =
       fs::weakly_canonical(fs::absolute(arguments.output.empty() ? name + "_rig" : arguments.output));
-  require_free(folder, arguments.force);
+  require_free(folder, arguments.cameras.empty() ? 4 : 5, arguments.force);
   const CameraSetup cameras =
       read_camera_setup(arguments.cameras.empty() ? config_folder() + "/cameras/box.yaml" : arguments.cameras);
   const YamlNode robot = load_settings(arguments.robot);
-  require_known_actuators(robot);
+  require_usable(robot);
   const Scene scene = load(arguments.robot, "the robot");
   const Simulation& simulation = *scene.simulation;
   const std::vector<Driven> drives = driven_actuators(robot, simulation);
   std::vector<std::string> markers;
   for (const Marker& marker : simulation.markers()) markers.push_back(marker.name());
-  const std::vector<std::string> texts{
+  std::vector<std::string> texts{
       motors_text(name, drives), plant_text(name, include_path(robot_path, folder), robot, simulation, drives, cameras),
       tracker_text(name, markers, cameras), balls_text(name, place_balls(simulation, cameras))};
+  if (!arguments.cameras.empty()) texts.push_back(poses_text(cameras));
   make_folder(folder);
   write_checked(files(folder, texts), [&] { check_files(arguments.robot, simulation, folder); });
-  print(name, robot_path, folder, arguments.cameras);
+  print(name, robot_path, folder,
+        arguments.cameras.empty() ? "" : camera_arguments(arguments.cameras, cameras, folder));
   const std::vector<std::string> unseen = unseen_markers(simulation, cameras, load_tracker(folder / "tracker.yaml"));
   if (!unseen.empty())
     std::cerr << kProgram << ": warning: the tracker does not see " << join(unseen)
-              << "; a marker must lie on skin that faces a camera, as those of config/cameras/box.yaml look from -y "
-                 "and from below\n";
+              << "; a marker must lie on skin that faces a camera. Those of config/cameras/box.yaml look from -y and "
+                 "from below at [0, 0, -0.05]; a robot elsewhere or larger needs --cameras FILE\n";
   return unseen.size() == markers.size() ? kNotGood : kGood;
 }
 

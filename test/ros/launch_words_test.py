@@ -26,7 +26,12 @@ path = os.environ['PATH']
 no_checks = tempfile.TemporaryDirectory()
 os.symlink('/bin/true', no_checks.name + '/rosrun')
 os.environ['PATH'] = no_checks.name + ':' + path
-for folder in ('/tmp/bags', '/tmp/my bags', "/tmp/it's here", '/tmp/"a" b\'c', '/tmp/ü  x'):
+lab = tempfile.TemporaryDirectory()
+for name in ('bags', 'my bags', "it's here", '"a" b\'c', 'ü  x'):
+    folder = lab.name + '/' + name
+    os.mkdir(folder)
+    for file in ('motors.yaml', 'plant.yaml'):
+        open(folder + '/' + file, 'w').close()
     words = words_of('recorder', 'record:=true', 'rviz:=false', 'bag_folder:=' + folder)
     assert words == [folder, 'spinebot', 'false'], words
     words = words_of('rig_emulator', 'emulated:=true', 'rviz:=false', 'rig_folder:=' + folder)

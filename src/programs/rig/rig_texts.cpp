@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <Eigen/Geometry>
+
 #include "settings/words.h"
 
 namespace soft_robot_lab {
@@ -215,6 +217,20 @@ std::string balls_text(const std::string& name, const BallPlacement& placement) 
   for (const PlacedBall& ball : placement.balls)
     text << "  - {name: " << ball.name << ", position_m: [" << format_number(ball.position_m.x()) << ", "
          << format_number(ball.position_m.y()) << ", " << format_number(ball.position_m.z()) << "]}\n";
+  return text.str();
+}
+
+std::string poses_text(const CameraSetup& cameras) {
+  std::ostringstream text;
+  text << "# Where the cameras stand, as if calibrated exactly; a calibration writes over it.\ncameras:\n";
+  text.precision(12);
+  for (const RigCamera& camera : cameras.cameras) {
+    const Eigen::Vector3d at_m = camera.pose.world_from_camera.translation();
+    const Eigen::Quaterniond turn(camera.pose.world_from_camera.linear());
+    text << "  - {name: " << yaml_word(camera.pose.name) << ", position_m: [" << at_m.x() << ", " << at_m.y() << ", "
+         << at_m.z() << "], quaternion_xyzw: [" << turn.x() << ", " << turn.y() << ", " << turn.z() << ", " << turn.w()
+         << "]}\n";
+  }
   return text.str();
 }
 

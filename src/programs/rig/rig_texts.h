@@ -38,5 +38,7 @@ std::string plant_text(const std::string& name, const std::string& include, cons
 // By the stickers of `cameras`. Throws std::invalid_argument where one is too grey or too dark to be found by colour.
 std::string tracker_text(const std::string& name, const std::vector<std::string>& markers, const CameraSetup& cameras);
 std::string balls_text(const std::string& name, const BallPlacement& placement);
+// Where cameras stand, as if they were calibrated exactly.
+std::string poses_text(const CameraSetup& cameras);
 
 }  // namespace soft_robot_lab

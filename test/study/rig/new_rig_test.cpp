@@ -8,6 +8,7 @@
 #include "hardware/plant/plant.h"
 #include "hardware/plant/same_commands.h"
 #include "perception/calibration/calibration.h"
+#include "perception/calibration/camera_pose.h"
 #include "robot/scene/scene_files.h"
 #include "run_program.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -79,8 +80,8 @@ TEST_F(NewRig, WritesWhatASessionReads) {
   EXPECT_NO_THROW(require_same_commands(plant.simulation(), "plant.yaml", rig, "motors.yaml"));
   EXPECT_NEAR(plant.simulation().body().material().youngs_modulus_pa,
               1.15 * model.simulation->body().material().youngs_modulus_pa, 1);
-  EXPECT_GT(plant.simulation().body().mesh().node_count(), model.simulation->body().mesh().node_count());
-  EXPECT_LT(plant.simulation().actuators()[0]->limits().min, 0.75);  // a shaft may overshoot
+  EXPECT_TRUE(contains(contents(file("plant.yaml")), "element_size_m: 0.015 "));  // finer
+  EXPECT_LT(plant.simulation().actuators()[0]->limits().min, 0.75);               // a shaft may overshoot
 }
 
 TEST_F(NewRig, TakesEveryLawOfACable) {
@@ -120,14 +121,54 @@ TEST_F(NewRig, RefusesRobotsThatNoRigDrives) {
       "cables[0]"));
   EXPECT_TRUE(contains(refusal(kBody + kMarkers + "actuators: [{plugin: my_lab/Muscle, name: biceps}]\n"),
                        "plugin: 'my_lab/Muscle' is neither a cable nor a chamber"));
+  EXPECT_TRUE(contains(refusal(kBody + kMarkers + kCable + "solver: {method: reduced, commands: {front: [0.9, 1]}}\n"),
+                       "the robot of an emulated rig is not reduced"));
   const std::string chamber =
       "chambers: [{name: main, surface: {solid: {box: {size_m: [0.01, 0.01, 0.05], center_m: [0, 0, -0.05]}}}}]\n";
   EXPECT_FALSE(refusal(kBody + kMarkers + chamber).empty());
+  EXPECT_TRUE(contains(refusal("include: " SOFT_ROBOT_LAB_SOURCE "/config/robots/hollow_cuboid/robot.yaml\n"),
+                       "chambers[0]: command: must be syringe or volume_offset"));
 }
 
-TEST_F(NewRig, RefusesWhatCannotBeSeenOrWritten) {
-  const std::string far = "body: {solid: {translate: {by_m: [0, 0, -2]}}}\n";
-  folder_.write("far.yaml", "include: finger.yaml\n");
+// Three times as large, before cameras of its own that show red stickers.
+TEST_F(NewRig, TakesOtherCamerasAndOtherSizes) {
+  folder_.write("cameras.yaml", R"(cameras:
+  - {name: west, width_px: 848, height_px: 480, position_m: [-0.7, -1.4, -0.9], look_at_m: [0, 0, -0.15]}
+  - {name: east, width_px: 848, height_px: 480, position_m: [0.7, -1.4, -0.9], look_at_m: [0, 0, -0.15]}
+box: {size_m: [4, 4, 4], center_m: [0, 0, 0]}
+lighting: {ambient: 0.7}
+markers: {diameter_m: 0.02, colour: [0.8, 0.05, 0.1]}
+)");
+  const std::string large = R"(body:
+  solid: {cylinder: {start_m: [0, 0, 0], end_m: [0, 0, -0.3], radius_m: 0.036}}
+  element_size_m: 0.06
+  fixed: [{box: {min_m: [-1, -1, -1.0e-6], max_m: [1, 1, 1]}}]
+markers: [{name: tip, position_m: [0, 0, -0.3]}, {name: back, position_m: [0, 0.036, -0.15]}]
+cables: [{name: front, path_m: [[0.02, 0, 0], [0.02, 0, -0.27]], min_contraction: 0.8}]
+)";
+  const Outcome outcome = write(large, "--cameras '" + folder_.path("cameras.yaml") + "'");
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "does not see back at (0, 0.036, -0.15) m;")) << outcome.err;
+  EXPECT_FALSE(contains(outcome.err, "tip")) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "camera_names:='[west, east]' overlay_camera:=west")) << outcome.out;
+  const TrackerSettings tracker = load_tracker(file("tracker.yaml"));
+  EXPECT_EQ(tracker.marker_radius_m, 0.01);
+  EXPECT_EQ(tracker.detector.colours.at(0).name, "red");
+  const std::vector<CameraPose> poses = read_camera_poses(file("camera_poses.yaml"));
+  const CameraSetup cameras = read_camera_setup(folder_.path("cameras.yaml"));
+  ASSERT_EQ(poses.size(), 2u);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    EXPECT_TRUE(poses[i].world_from_camera.isApprox(cameras.cameras[i].pose.world_from_camera, 1e-6));
+  EXPECT_EQ(load_plant(file("plant.yaml")).cameras.count("west"), 1u);
+}
+
+TEST_F(NewRig, SaysWhereItIsNotSeen) {
+  const Outcome behind = write(std::string(kBody) + "markers: [{name: tip, position_m: [0, 0.012, -0.05]}]\n" + kCable);
+  EXPECT_EQ(behind.exit_status, 1);
+  EXPECT_TRUE(contains(behind.err, "does not see tip at (0, 0.012, -0.05) m;")) << behind.err;
+}
+
+TEST_F(NewRig, RefusesWhatCannotBeWritten) {
   folder_.write("rig", "a file\n");
   const Outcome no_folder = write(kBody + kMarkers + kCable);
   EXPECT_EQ(no_folder.exit_status, 2);

@@ -176,7 +176,7 @@ std::vector<std::string> unseen_markers(const Simulation& simulation, const Came
   for (const MarkerObservation& found : tracker.update(shot.frames).markers)
     if (found.source == MarkerSource::seen) unseen_m.erase(found.name);
   std::vector<std::string> unseen;
-  for (const auto& [marker, place_m] : unseen_m) unseen.push_back(marker + " at " + point_text(place_m));
+  for (const auto& [marker, position_m] : unseen_m) unseen.push_back(marker + " at " + point_text(position_m));
   return unseen;
 }
 

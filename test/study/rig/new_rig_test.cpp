@@ -7,10 +7,11 @@
 
 #include "hardware/plant/plant.h"
 #include "hardware/plant/same_commands.h"
-#include "perception/calibration/calibration.h"
+#include "perception/calibration/calibration_session.h"
 #include "perception/calibration/camera_pose.h"
 #include "robot/scene/scene_files.h"
 #include "run_program.h"
+#include "session/report/frame_recorder.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/perception/tracking/tracker_settings.h"
 
@@ -55,6 +56,28 @@ class NewRig : public testing::Test {
 
   SceneFolder folder_;
 };
+
+// By pictures without noise, without and with the balls.
+void expect_calibrates_by_balls(const std::string& robot, const CameraSetup& cameras, const BallPlacement& placement) {
+  const Scene scene = load_scene(robot, options());
+  scene.simulation->solve_equilibrium();
+  CalibrationSession calibration(placement, {}, 1);
+  for (const RigCamera& camera : cameras.cameras)
+    calibration.set_camera({camera.pose.name, camera.model, camera.pose.world_from_camera});
+  const auto add = [&](const CameraSetup& seen) {
+    const SimulationState& state = scene.simulation->state();
+    for (const RgbdFrame& frame : FrameRecorder(*scene.simulation, seen).take(state, state, 0.0).frames)
+      calibration.add(frame);
+  };
+  add(cameras);
+  calibration.remember_without_balls();
+  CameraSetup with_balls = cameras;
+  for (const PlacedBall& ball : placement.balls)
+    with_balls.surroundings.balls.push_back({ball.position_m, placement.radius_m, {0.9, 0.9, 0.9}});
+  add(with_balls);
+  for (const CameraCalibration& found : calibration.calibrate())
+    EXPECT_EQ(found.seen.size(), placement.balls.size()) << found.pose.name;
+}
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -154,6 +177,8 @@ cables: [{name: front, path_m: [[0.02, 0, 0], [0.02, 0, -0.27]], min_contraction
   const TrackerSettings tracker = load_tracker(file("tracker.yaml"));
   EXPECT_EQ(tracker.marker_radius_m, 0.01);
   EXPECT_EQ(tracker.detector.colours.at(0).name, "red");
+  expect_calibrates_by_balls(folder_.path("finger.yaml"), read_camera_setup(folder_.path("cameras.yaml")),
+                             read_ball_placement(file("balls.yaml")));
   const std::vector<CameraPose> poses = read_camera_poses(file("camera_poses.yaml"));
   const CameraSetup cameras = read_camera_setup(folder_.path("cameras.yaml"));
   ASSERT_EQ(poses.size(), 2u);

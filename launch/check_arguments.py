@@ -12,6 +12,7 @@ import sys
 CAMERAS = ('none', 'rendered')
 SOLVERS = ('newton', 'xpbd', 'reduced')  # or empty: the scene's own
 READ = {'rig': '--rig', 'camera_setup': '--cameras', 'balls': '--balls', 'tracker': '--tracker'}  # by check_scene_node
+RIG = ('rig', 'plant', 'tracker', 'balls')
 ROBOTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'config', 'robots')
 
 
@@ -22,13 +23,14 @@ def refuse(argument, value, known):
 
 
 def check_file(argument, path, robot):
-    """Of the package's own robots, and the scene; what else is missing the node says that reads it."""
+    """Of the package's own robots, scene, motors and plant; what else is missing the node says that reads it."""
     own = os.path.realpath(path).startswith(os.path.realpath(ROBOTS) + os.sep)
-    if os.path.exists(path) or not (own or argument == 'scene'):
+    if os.path.exists(path) or not (own or argument in ('scene', 'rig', 'plant')):
         return
     if own and not os.path.isdir(os.path.join(ROBOTS, robot)):
         refuse('robot', robot, sorted(os.listdir(ROBOTS)))
-    sys.exit(f'{argument}: there is no file {path}')
+    hint = '; `rosrun soft_robot_lab new_rig ROBOT.yaml` writes the files of a rig' if argument in RIG else ''
+    sys.exit(f'{argument}: there is no file {path}{hint}')
 
 
 def check_scene(given):

@@ -33,4 +33,5 @@ wrote $file
 look at it    rosrun soft_robot_lab view.sh $name.yaml
 simulate it   rosrun soft_robot_lab simulate $name.yaml --result $name.json
 a session     roslaunch soft_robot_lab session.launch scene:=$file
+its rig       rosrun soft_robot_lab new_rig $name.yaml
 TEXT

@@ -18,10 +18,10 @@ export CMAKE_GENERATOR=${CMAKE_GENERATOR-Ninja} # of new folders; it waits for n
 compiler=${CXX-clang++} # of new folders too; it takes less time than GCC
 
 # The parts without ROS are tested under the sanitisers; with --all also as they are used.
-errors=-DSOFT_ROBOT_LAB_WARNINGS_ARE_ERRORS=${WARNINGS_ARE_ERRORS:-OFF}
-CXX=$compiler cmake -S "$package" -B "$package/build" -DSOFT_ROBOT_LAB_CORE_TESTS=${all:-no} "$errors"
+settings=(-DSOFT_ROBOT_LAB_WARNINGS_ARE_ERRORS="${WARNINGS_ARE_ERRORS:-OFF}" -DSOFT_ROBOT_LAB_LINES="${LINES_IN_BACKTRACES:-ON}")
+CXX=$compiler cmake -S "$package" -B "$package/build" -DSOFT_ROBOT_LAB_CORE_TESTS=${all:-no} "${settings[@]}"
 JOBS=$jobs "$package/launch/build.sh"
-CXX=$compiler cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON -DSOFT_ROBOT_LAB_STUDY=OFF "$errors"
+CXX=$compiler cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON -DSOFT_ROBOT_LAB_STUDY=OFF "${settings[@]}"
 cmake --build "$package/build/sanitise" -j"$jobs"
 # The other BLAS kernels than those this machine takes by itself: their rounding differs, and no test may hang on it.
 grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott

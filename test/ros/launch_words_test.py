@@ -26,11 +26,18 @@ path = os.environ['PATH']
 no_checks = tempfile.TemporaryDirectory()
 os.symlink('/bin/true', no_checks.name + '/rosrun')
 os.environ['PATH'] = no_checks.name + ':' + path
-for folder in ('/tmp/bags', '/tmp/my bags', "/tmp/it's here", '/tmp/"a" b\'c', '/tmp/ü  x'):
+lab = tempfile.TemporaryDirectory()
+for name in ('bags', 'my bags', "it's here", '"a" b\'c', 'ü  x'):
+    folder = lab.name + '/' + name
+    os.mkdir(folder)
+    for file in ('motors.yaml', 'plant.yaml'):
+        open(folder + '/' + file, 'w').close()
     words = words_of('recorder', 'record:=true', 'rviz:=false', 'bag_folder:=' + folder)
     assert words == [folder, 'spinebot', 'false'], words
-    words = words_of('rig_emulator', 'emulated:=true', 'rviz:=false', 'rig:=/tmp/my rig.yaml')
-    assert words[-1] == '/tmp/my rig.yaml', words
+    words = words_of('rig_emulator', 'emulated:=true', 'rviz:=false', 'rig_folder:=' + folder)
+    assert words[-1] == folder + '/motors.yaml', words
+    words = words_of('motor', 'emulated:=true', 'rviz:=false', 'rig_folder:=' + folder)
+    assert words[0] == '_rig:=' + folder + '/motors.yaml', words
 os.environ['PATH'] = path
 
 
@@ -46,7 +53,9 @@ assert "robot: there is no 'spinbot' (did you mean 'spinebot'?); known: bubblebo
 assert "cameras: there is no 'renderd' (did you mean 'rendered'?); known: none, rendered" in refusal('session.launch', 'cameras:=renderd')
 assert "robot: there is no 'griper' (did you mean 'gripper'?)" in refusal('motor.launch', 'robot:=griper')
 assert "robot: there is no 'xyz'; known" in refusal('session.launch', 'robot:=xyz')
-assert "hanging_bar/plant.yaml" in refusal('session.launch', 'robot:=hanging_bar', 'emulated:=true')
+no_rig = refusal('session.launch', 'robot:=hanging_bar', 'emulated:=true')
+assert 'hanging_bar/plant.yaml' in no_rig and 'new_rig ROBOT.yaml` writes' in no_rig, no_rig
+assert 'there is no file /nowhere/plant.yaml' in refusal('session.launch', 'rig_folder:=/nowhere', 'emulated:=true')
 assert "scene: there is no file /nowhere/it's.yaml" in refusal('session.launch', "scene:=/nowhere/it's.yaml")
 assert "robot: there is no 'gripr'" in refusal('replay.launch', 'bag:=session.bag', 'output:=markers.bag', 'robot:=gripr')
 unknown_key = refusal('session.launch', 'scene:=' + sys.argv[1] + '/test/data/scenes/unknown_key.yaml')

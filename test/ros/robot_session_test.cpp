@@ -35,6 +35,10 @@ const std::map<std::string, Move> kMoves = {
     {"hammerbot", {"right", 0.9, "tip", {1, 0, 0}, 0.008, 6}},
     {"bubblebot", {"a", 60.0, "tip", {0, -1, 0}, 0.0007, 6}},  // thick walls
     {"bubblefinger", {"main", 10.0, "tip", {0, -1, 0}, 0.002, 6}},
+    {"finger", {"front", 0.85, "tip", {1, 0, 0}, 0.005, 1}},  // as new_robot.sh writes it
+    {"finger_a1", {"tendon", 0.85, "tip", {1, 0, 0}, 0.01, 3}},
+    {"finger_a2", {"right", 0.9, "tip", {1, 0, 0}, 0.01, 1}},
+    {"gripper", {"left", 0.92, "tip_left", {1, 0, 0}, 0.005, 4}},
     {"hanging_bar", {"cable", 0.95, "tip", {1, 0, 0}, 0.005}},
     {"hollow_cuboid", {"main", 1.3, "skin_x", {1, 0, 0}, 0.0005}},
 };

@@ -19,9 +19,10 @@ namespace soft_robot_lab {
 namespace {
 
 const std::string kConfig = SOFT_ROBOT_LAB_SOURCE "/config/";
-const std::vector<std::string> kRobots = {"spinebot",     "hammerbot",   "bubblebot",
-                                          "bubblefinger", "hanging_bar", "hollow_cuboid"};
-const std::vector<std::string> kRobotsOnRigs = {"spinebot", "hammerbot", "bubblebot", "bubblefinger"};
+const std::vector<std::string> kRobots = {"spinebot",  "hammerbot", "bubblebot",   "bubblefinger", "finger_a1",
+                                          "finger_a2", "gripper",   "hanging_bar", "hollow_cuboid"};
+const std::vector<std::string> kRobotsOnRigs = {"spinebot",  "hammerbot", "bubblebot", "bubblefinger",
+                                                "finger_a1", "finger_a2", "gripper"};
 
 std::unique_ptr<Simulation> load(const std::string& robot, const std::string& overrides = "") {
   SceneOptions options;
@@ -117,7 +118,7 @@ TEST_P(SeenRobotOfRecord, LeavesTheBallsThatItIsCalibratedByInSight) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, SeenRobotOfRecord, testing::Values("spinebot", "hammerbot", "bubblebot", "bubblefinger"),
+INSTANTIATE_TEST_SUITE_P(, SeenRobotOfRecord, testing::ValuesIn(kRobotsOnRigs),
                          [](const auto& robot) { return robot.param; });
 
 TEST(RobotFiles, EveryRobotHasItsOwn) {

@@ -17,9 +17,10 @@ struct Linearisation;  // of the solver, where its last factor serves further st
 // Everything that changes; copy it to save and restore. Plain numbers but for `linearisation`.
 struct SimulationState {
   double time_s = 0.0;
-  Eigen::Matrix3Xd positions_m;            // 3 x nodes, robot_base
-  Eigen::Matrix3Xd velocities_m_s;         // 3 x nodes
-  Eigen::VectorXd element_multipliers_pa;  // one volume multiplier per element, or per vertex
+  Eigen::Matrix3Xd positions_m;     // 3 x nodes, robot_base
+  Eigen::Matrix3Xd velocities_m_s;  // 3 x nodes
+  Eigen::VectorXd
+      element_multipliers_pa;  // one volume multiplier per element, or per vertex; then tensions of fibres [N]
   Eigen::VectorXd constraint_multipliers;  // in the order of the actuators' constraints
   ContactState contact;
   FreeVelocities free_velocities;  // of free obstacles

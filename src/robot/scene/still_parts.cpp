@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "still_parts.h"
 
+#include <algorithm>
+
 #include "mechanics/body/held.h"
 #include "scene_warning.h"
 
 namespace soft_robot_lab {
+namespace {
+
+bool is_held(const Body& body, int fibre) {
+  return std::all_of(body.fibre_groups().begin(), body.fibre_groups().end(), [&](const FibreGroup& group) {
+    return group.fibre != fibre || body.fixed()(Eigen::all, body.mesh().tets.col(group.tet)).all();
+  });
+}
+
+}  // namespace
 
 std::vector<SolveWarning> still_parts(const Body& body, const MeshLocator& locator,
                                       const std::vector<Marker>& markers) {
@@ -23,6 +34,10 @@ std::vector<SolveWarning> still_parts(const Body& body, const MeshLocator& locat
           scene_warning("held_marker", "marker " + marker.name() +
                                            " lies where the body is held, and cannot move: move it, or the box "
                                            "in `fixed`"));
+  for (std::size_t i = 0; i < body.fibres().size(); ++i)
+    if (is_held(body, static_cast<int>(i)))
+      warnings.push_back(scene_warning(
+          "held_fibre", "fibre " + body.fibres()[i].name + " lies where the body is held, and does nothing there"));
   return warnings;
 }
 

@@ -249,6 +249,30 @@ TEST(FibreScene, WindsAroundASurface) {
   EXPECT_NEAR(length_m, 4.0 * std::hypot(2.0 * M_PI * kRadius_m, 0.01), 0.02 * length_m);
 }
 
+TEST(FibreScene, WarnsOfAFibreThatIsHeld) {
+  Tube tube;
+  tube.fibres = "  - {name: inside, axial_stiffness_n: 1, points_m: [[-0.004, 0, 0.001], [0.004, 0, 0.001]]}\n";
+  const SceneFolder folder;
+  const Scene scene = load_scene(folder.write("tube.yaml", scene_of(tube)), tube_options());
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_EQ(scene.warnings[0].kind, "held_fibre");
+}
+
+TEST(FibreScene, AStateThatIsRestoredGoesOnToTheLastBit) {
+  Tube tube;
+  tube.fibres = braid(45.0, tube.length_m);
+  const SceneFolder folder;
+  const Scene scene = load_scene(folder.write("tube.yaml", scene_of(tube)), tube_options());
+  Simulation& first = *scene.simulation;
+  first.set_command("air", 1000.0);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(first.step().converged);
+  Simulation second(first.model());
+  second.set_state(first.state());
+  for (int i = 0; i < 5; ++i)
+    for (Simulation* each : {&first, &second}) ASSERT_TRUE(each->step().converged);
+  EXPECT_TRUE(first.state() == second.state());
+}
+
 // Of a bar of 100 x 20 x 4 mm with a sheet in its middle plane, pulled along x.
 double stretched_m(const std::string& corners, double force_n) {
   const SceneFolder folder;

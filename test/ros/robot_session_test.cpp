@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A robot of record in a session of its own files: one command moves the simulation and, with `emulated`, the robot on
 // the rig to the same side, and the tracker sees it.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -94,6 +95,13 @@ class RobotSession : public testing::Test {
     return (position_of(markers, move().marker) - from_m).dot(move().towards);
   }
 
+  // By the tracker, of the marker on the robot; infinite while it is lost, as on a busy machine.
+  double missed_m() const {
+    const auto& names = tracked_.names;
+    if (std::find(names.begin(), names.end(), move().marker) == names.end()) return INFINITY;
+    return (position_of(tracked_, move().marker) - position_of(real_, move().marker)).norm();
+  }
+
   void command() {
     ActuatorCommand command;
     command.header.stamp = ros::Time::now();
@@ -170,9 +178,7 @@ TEST_F(RobotSession, MovesAsOneCommandSays) {
   }
   if (!emulated_) return;
   EXPECT_TRUE(spin_until([&] { return gone_m(real_, real_m) > move().at_least_m; }, 60.0)) << gone_m(real_, real_m);
-  EXPECT_TRUE(spin_until(
-      [&] { return (position_of(tracked_, move().marker) - position_of(real_, move().marker)).norm() < 0.005; }, 60.0))
-      << (position_of(tracked_, move().marker) - position_of(real_, move().marker)).norm();
+  EXPECT_TRUE(spin_until([this] { return missed_m() < 0.005; }, 60.0)) << missed_m();
 }
 
 }  // namespace

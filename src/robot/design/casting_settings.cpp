@@ -32,8 +32,7 @@ void read_limits(const YamlNode& node, CastingSettings& settings) {
   settings.max_suction_strain = node.number_or("max_suction_strain", settings.max_suction_strain, positive);
   settings.max_core_aspect = node.number_or("max_core_aspect", settings.max_core_aspect, positive);
   settings.air_holes = node.boolean_or("air_holes", settings.air_holes);
-  refuse_old_name(node, "bonded", "inserts");
-  for (const YamlNode& solid : node.optional_sequence("inserts")) settings.inserts.push_back(read_solid(solid));
+  for (const YamlNode& solid : node.optional_sequence("bonded")) settings.inserts.push_back(read_solid(solid));
 }
 
 void read_sheath(const YamlNode& node, SheathSettings& sheath) {

@@ -234,7 +234,8 @@ double NewtonSolver::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const
 Eigen::Matrix3Xd NewtonSolver::volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,
                                                 const Eigen::Matrix3Xd& positions_m) const {
   if (damping.volume_ratio == 0.0) return Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  const Eigen::VectorXd beyond = volumetric_strain - damping.volume_from;
+  Eigen::VectorXd beyond = volumetric_strain - damping.volume_from;
+  beyond.tail(fibre_count()).setZero();
   return elements_.pressure_forces_n(positions_m, damping.volume_ratio * elements_.lambda_pa().cwiseProduct(beyond));
 }
 

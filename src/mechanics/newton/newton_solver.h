@@ -192,6 +192,7 @@ class NewtonSolver {
   const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
   void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
+  Eigen::Index fibre_count() const { return elements_.fibre_count(); }  // of the last element multipliers
   int element_multiplier_count() const { return tables_->element_multiplier_count(); }
   Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.batch_count()) * kLanes; }
   Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }

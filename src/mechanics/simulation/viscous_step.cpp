@@ -45,6 +45,12 @@ Eigen::VectorXd volume_from(const NewtonSolver& solver, const SimulationState& s
          difference.weight_before * solver.volumetric_strain(state.previous_positions_m);
 }
 
+// Fibres, whose strains are the last, have no damping.
+Eigen::VectorXd of_volumes(const NewtonSolver& solver, Eigen::VectorXd strains) {
+  strains.tail(solver.fibre_count()).setZero();
+  return strains;
+}
+
 }  // namespace
 
 // S = kappa (E - E*) = b 2 mu dE/dt + Q
@@ -59,8 +65,8 @@ std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const Newton
     springs->target =
         combined(1.0, springs->target, -1.0, strain_change(solver, state, viscosity.rayleigh_stiffness_s));
     springs->volume_ratio = 1.0;
-    springs->volume_from =
-        solver.volumetric_strain(state.positions_m) - volume_change(solver, state, viscosity.rayleigh_stiffness_s);
+    springs->volume_from = of_volumes(solver, solver.volumetric_strain(state.positions_m) -
+                                                  volume_change(solver, state, viscosity.rayleigh_stiffness_s));
   }
   if (viscosity.hysteresis_ratio > 0.0)
     springs->target = combined(1.0, springs->target, -1.0 / springs->stiffness_pa, strains_of(state.branch_stress_pa));
@@ -78,7 +84,7 @@ ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const Sim
     strain_target->stiffness_pa = viscosity.rayleigh_stiffness_s * twice_mu_pa / difference.gamma_s;
     strain_target->target = strain_from(solver, state, difference, start);
     strain_target->volume_ratio = viscosity.rayleigh_stiffness_s / difference.gamma_s;
-    strain_target->volume_from = volume_from(solver, state, difference);
+    strain_target->volume_from = of_volumes(solver, volume_from(solver, state, difference));
   }
   if (viscosity.hysteresis_ratio > 0.0) {
     const double steps = h / viscosity.relaxation_time_s;

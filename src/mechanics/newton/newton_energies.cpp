@@ -27,7 +27,8 @@ double NewtonEnergies::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) con
 Eigen::Matrix3Xd NewtonEnergies::volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,
                                                   const Eigen::Matrix3Xd& positions_m) const {
   if (damping.volume_ratio == 0.0) return Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  const Eigen::VectorXd beyond = volumetric_strain - damping.volume_from;
+  Eigen::VectorXd beyond = volumetric_strain - damping.volume_from;
+  beyond.tail(elements.fibre_count()).setZero();
   return elements.pressure_forces_n(positions_m, damping.volume_ratio * elements.lambda_pa().cwiseProduct(beyond));
 }
 

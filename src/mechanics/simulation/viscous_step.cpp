@@ -48,6 +48,12 @@ Eigen::VectorXd volume_from(const NewtonEnergies& energies, const SimulationStat
          difference.weight_before * energies.sums_at(state.previous_positions_m).volumetric_strain;
 }
 
+// Fibres, whose strains are the last, have no damping.
+Eigen::VectorXd of_volumes(const NewtonEnergies& energies, Eigen::VectorXd strains) {
+  strains.tail(energies.elements.fibre_count()).setZero();
+  return strains;
+}
+
 }  // namespace
 
 // S = kappa (E - E*) = b 2 mu dE/dt + Q
@@ -62,8 +68,8 @@ std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const Newton
     springs->target =
         combined(1.0, springs->target, -1.0, strain_change(energies, state, viscosity.rayleigh_stiffness_s));
     springs->volume_ratio = 1.0;
-    springs->volume_from = energies.sums_at(state.positions_m).volumetric_strain -
-                           volume_change(energies, state, viscosity.rayleigh_stiffness_s);
+    springs->volume_from = of_volumes(energies, energies.sums_at(state.positions_m).volumetric_strain -
+                                                    volume_change(energies, state, viscosity.rayleigh_stiffness_s));
   }
   if (viscosity.hysteresis_ratio > 0.0)
     springs->target = combined(1.0, springs->target, -1.0 / springs->stiffness_pa, strains_of(state.branch_stress_pa));
@@ -81,7 +87,7 @@ ViscousStep::ViscousStep(const Body& body, const NewtonEnergies& energies, const
     strain_target->stiffness_pa = viscosity.rayleigh_stiffness_s * twice_mu_pa / difference.gamma_s;
     strain_target->target = strain_from(energies, state, difference, start);
     strain_target->volume_ratio = viscosity.rayleigh_stiffness_s / difference.gamma_s;
-    strain_target->volume_from = volume_from(energies, state, difference);
+    strain_target->volume_from = of_volumes(energies, volume_from(energies, state, difference));
   }
   if (viscosity.hysteresis_ratio > 0.0) {
     const double steps = h / viscosity.relaxation_time_s;

@@ -353,6 +353,23 @@ TEST(FibreRobots, MoveInTimeToTheSameRest) {
   EXPECT_LT(std::abs(ledger.closure_error_j), 0.01 * ledger.turned_over_j);
 }
 
+TEST(FibreRobots, MoveWithADampedSilicone) {
+  for (const char* integrator : {"implicit_euler", "tr_bdf2"}) {
+    const SceneFolder folder;
+    Scene scene = load_scene(folder.write("damped.yaml", std::string("include: ") + SOFT_ROBOT_LAB_SOURCE +
+                                                             "/config/robots/fibre_finger/robot.yaml\nbody: {damping: "
+                                                             "{rayleigh_stiffness_s: 0.01}}\nsolver: {integrator: " +
+                                                             integrator + "}\n"),
+                             tube_options());
+    Simulation& finger = *scene.simulation;
+    finger.set_command("air", 20000.0);
+    finger.keep_energy_ledger();
+    for (int i = 0; i < 30; ++i) ASSERT_TRUE(finger.step().converged) << i << integrator;
+    const EnergyLedger ledger = *finger.energy_ledger();
+    EXPECT_LT(std::abs(ledger.closure_error_j), 0.01 * ledger.turned_over_j);
+  }
+}
+
 std::string refusal(const std::string& more) {
   const SceneFolder folder;
   Tube tube;

@@ -38,6 +38,8 @@ constexpr double kHeldOver = 1e-3, kDeepBehind = 1e-2;
 constexpr double kMuchNearer = 0.5;  // of the way to the face behind which it is: skin beside which it has come in
 constexpr double kSameWay = 1e-6;    // relative
 constexpr double kJustOn = 1e-6;     // of the same: so high above a face a point may just touch it
+constexpr double kBesideAtRest = 0.25, kDeeperAtRest = 1.25;  // of a face's size; of the depth that counts
+constexpr int kSamples = 6;  // along a side of a face: places of it that are looked at in the rest shape
 constexpr std::size_t kMostPairs = 4000000;  // of faces of which it is kept whether they count
 
 // The area vector of a face's corners.
@@ -152,7 +154,29 @@ bool SkinPairs::counts(int face, int other) const {
   for (int corner = 0; corner < 3; ++corner)
     foremost_m =
         std::max(foremost_m, (rest_m_.col(mine[corner]) - rest_middles_m_.col(other)).dot(rest_normals_.col(other)));
-  return foremost_m > kInFront * largest_size_m_;
+  return foremost_m > kInFront * largest_size_m_ && !overlap_at_rest(same, other) && !overlap_at_rest(other, same);
+}
+
+// Of a curved wall that its faces follow roughly a face may lie partly behind one that is not opposite, no deeper than
+// counts. By the planes of corners, and so far beside the other that no deformation brings it there.
+bool SkinPairs::overlap_at_rest(int mine, int other) const {
+  const Eigen::Vector3d& normal = rest_normals_.col(other);
+  if (rest_normals_.col(mine).dot(normal) > -kAgainst) return false;
+  const Eigen::Matrix3d corners_m = rest_m_(Eigen::all, faces_.col(mine).head<3>()),
+                        theirs_m = rest_m_(Eigen::all, faces_.col(other).head<3>());
+  for (int i = 0; i <= kSamples; ++i)
+    for (int j = 0; i + j <= kSamples; ++j) {
+      const Eigen::Vector3d at_m = corners_m * Eigen::Vector3d(i, j, kSamples - i - j) / kSamples;
+      const double depth_m = (theirs_m.col(0) - at_m).dot(normal);
+      if (depth_m < kHeldOver * sizes_m_[other] || depth_m > kDeeperAtRest * deepest_m_[other]) continue;
+      double beside_m = 0.0;
+      for (int side = 0; side < 3; ++side) {
+        const Eigen::Vector3d edge_m = theirs_m.col((side + 1) % 3) - theirs_m.col(side);
+        beside_m = std::max(beside_m, (at_m - theirs_m.col(side)).dot(edge_m.cross(normal).normalized()));
+      }
+      if (beside_m < kBesideAtRest * sizes_m_[other]) return true;
+    }
+  return false;
 }
 
 void SkinPairs::restrict_to(const std::vector<FacePair>& pairs) {

@@ -3,8 +3,8 @@
 // finds the faces that are near; the closest place on a face and the gap to it are ours, in double precision.
 //
 // No pairs are faces that share a node, and faces that lie wholly behind one another at rest, nearer than a few faces,
-// but for those of one side, which may fold: the two sides of a thin wall. Those of two bodies are where these touch at
-// all.
+// but for those of one side, which may fold: the two sides of a thin wall. Nor are faces of which one is partly behind
+// the other at rest, in a curved wall. Those of two bodies are where these touch at all.
 #pragma once
 
 #include <memory>
@@ -117,6 +117,7 @@ class SkinPairs {
 
  private:
   bool counts(int face, int other) const;
+  bool overlap_at_rest(int mine, int other) const;  // both of the mesh: any of mine is behind the other
   // Whether a point of this face of the points may be inside the body behind another face: their boxes meet, they do
   // not look the same way, and any of it lies lower than the top of the other.
   bool may_overlap(int face, int other) const;

@@ -56,6 +56,16 @@ TEST(ChamberRobots, HaveTheirVolumesAndComeToRest) {
   expect_rest("bubblebot", {{"a", 77.75e-6}, {"b", 77.75e-6}, {"c", 77.75e-6}});
 }
 
+// Faces of 6 mm follow its round wall of 2.2 mm: outer ones lie partly behind inner ones beside them, which pushed them
+// out with 111 N.
+TEST(ChamberRobots, TouchNothingAtRestWhereFacesFollowARoundWallRoughly) {
+  Scene scene = load("fibre_finger/robot", "contact: {self: true}");
+  Simulation& simulation = *scene.simulation;
+  const SolveReport report = simulation.solve_equilibrium();
+  EXPECT_TRUE(report.converged) << report.message;
+  for (const ContactReading& contact : simulation.contacts()) EXPECT_EQ(contact.normal_force_n, 0.0) << contact.surface;
+}
+
 TEST(SolveWatch, SaysToWhatChambersHaveComeEverLessOften) {
   Scene scene = load("hollow_cuboid/robot");
   Simulation& simulation = *scene.simulation;

@@ -158,22 +158,24 @@ bool SkinPairs::counts(int face, int other) const {
 }
 
 // Of a curved wall that its faces follow roughly a face may lie partly behind one that is not opposite, no deeper than
-// counts. By the planes of corners, and so far beside the other that no deformation brings it there.
+// counts. By the planes of corners; what lies a little beside the other counts too, as a small deformation brings it
+// there.
 bool SkinPairs::overlap_at_rest(int mine, int other) const {
   const Eigen::Vector3d& normal = rest_normals_.col(other);
   if (rest_normals_.col(mine).dot(normal) > -kAgainst) return false;
   const Eigen::Matrix3d corners_m = rest_m_(Eigen::all, faces_.col(mine).head<3>()),
                         theirs_m = rest_m_(Eigen::all, faces_.col(other).head<3>());
+  Eigen::Matrix3d beyond;  // of each side, unit vectors
+  for (int side = 0; side < 3; ++side)
+    beyond.col(side) = (theirs_m.col((side + 1) % 3) - theirs_m.col(side)).cross(normal).normalized();
   for (int i = 0; i <= kSamples; ++i)
     for (int j = 0; i + j <= kSamples; ++j) {
       const Eigen::Vector3d at_m = corners_m * Eigen::Vector3d(i, j, kSamples - i - j) / kSamples;
       const double depth_m = (theirs_m.col(0) - at_m).dot(normal);
       if (depth_m < kHeldOver * sizes_m_[other] || depth_m > kDeeperAtRest * deepest_m_[other]) continue;
       double beside_m = 0.0;
-      for (int side = 0; side < 3; ++side) {
-        const Eigen::Vector3d edge_m = theirs_m.col((side + 1) % 3) - theirs_m.col(side);
-        beside_m = std::max(beside_m, (at_m - theirs_m.col(side)).dot(edge_m.cross(normal).normalized()));
-      }
+      for (int side = 0; side < 3; ++side)
+        beside_m = std::max(beside_m, (at_m - theirs_m.col(side)).dot(beyond.col(side)));
       if (beside_m < kBesideAtRest * sizes_m_[other]) return true;
     }
   return false;

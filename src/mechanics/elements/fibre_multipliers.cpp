@@ -12,6 +12,7 @@ namespace {
 struct Chords {
   Eigen::Matrix3Xd ways;    // unit vectors
   Eigen::VectorXd lengths;  // [m]
+  double strain;            // of their sum
 };
 
 Chords chords_of(const Eigen::MatrixXd& weights, const Eigen::Matrix3Xd& nodes_m, double rest_length_m) {
@@ -19,6 +20,7 @@ Chords chords_of(const Eigen::MatrixXd& weights, const Eigen::Matrix3Xd& nodes_m
   chords.ways = nodes_m * weights;
   chords.lengths = chords.ways.colwise().norm().transpose().cwiseMax(1e-12 * rest_length_m);
   chords.ways.array().rowwise() /= chords.lengths.transpose().array();
+  chords.strain = chords.lengths.sum() / rest_length_m - 1.0;
   return chords;
 }
 
@@ -57,8 +59,7 @@ void FibreMultipliers::add_gradient(const Eigen::Matrix3Xd& positions_m, const d
     const Group& group = groups_[i];
     const auto index = static_cast<Eigen::Index>(i);
     const Chords chords = chords_of(group.weights, positions_m(Eigen::all, group.nodes), lengths_m_[index]);
-    const double strain = chords.lengths.sum() / lengths_m_[index] - 1.0;
-    strains[i] = taut(index, strain, tensions_n[i]) ? strain : 0.0;
+    strains[i] = taut(index, chords.strain, tensions_n[i]) ? chords.strain : 0.0;
     if (tensions_n[i] == 0.0) continue;
     const Eigen::Matrix3Xd along = chords.ways * group.weights.transpose();
     for (std::size_t a = 0; a < group.nodes.size(); ++a)
@@ -76,8 +77,7 @@ void FibreMultipliers::add_hessian(const Eigen::Matrix3Xd& positions_m, const do
     const Group& group = groups_[i];
     const auto index = static_cast<Eigen::Index>(i);
     const Chords chords = chords_of(group.weights, positions_m(Eigen::all, group.nodes), lengths_m_[index]);
-    const double strain = chords.lengths.sum() / lengths_m_[index] - 1.0;
-    const double slope = taut(index, strain, tensions_n[i]) ? 1.0 : 0.0;
+    const double slope = taut(index, chords.strain, tensions_n[i]) ? 1.0 : 0.0;
     const double tension_n = convex ? std::max(0.0, tensions_n[i]) : tensions_n[i];
     gradients.slopes[index] = slope;
     gradients.ways[i] = chords.ways * group.weights.transpose();

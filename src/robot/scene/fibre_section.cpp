@@ -15,7 +15,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int M_PIecesATurn = 64;  // straight ones: 0.1 % of the radius beside the circle
+constexpr int kPiecesATurn = 64;  // straight ones: 0.1 % of the radius beside the circle
 constexpr double kMostTurns = 2000.0;
 constexpr double kSheetSpacing =
     0.125;  // of an element's edge: where only one or two threads cross it they are no sheet
@@ -59,7 +59,7 @@ class Mandrel {
 
   std::vector<Eigen::Vector3d> ring(double along_m) const {
     std::vector<Eigen::Vector3d> points_m;
-    for (int i = 0; i < M_PIecesATurn; ++i) points_m.push_back(point_m(2.0 * M_PI * i / M_PIecesATurn, along_m));
+    for (int i = 0; i < kPiecesATurn; ++i) points_m.push_back(point_m(2.0 * M_PI * i / kPiecesATurn, along_m));
     points_m.push_back(points_m.front());
     return points_m;
   }
@@ -67,7 +67,7 @@ class Mandrel {
   // From the start to the end of the axis; a negative pitch turns the other way.
   std::vector<Eigen::Vector3d> helix(double pitch_m, double phase_rad) const {
     const double turns = length_m_ / std::abs(pitch_m);
-    const int pieces = std::max(2, static_cast<int>(std::ceil(M_PIecesATurn * turns)));
+    const int pieces = std::max(2, static_cast<int>(std::ceil(kPiecesATurn * turns)));
     std::vector<Eigen::Vector3d> points_m;
     for (int i = 0; i <= pieces; ++i) {
       const double along_m = length_m_ * i / pieces;

@@ -45,7 +45,7 @@ double mean(const std::vector<double>& values, std::size_t from, std::size_t to)
 class Soak {
  public:
   Soak() {
-    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
+    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10, true);
     subscribers_ = {node_.subscribe(topics::simulator_markers, 1000, &Soak::on_markers, this),
                     node_.subscribe(topics::simulator_actuators, 1000, &Soak::on_actuators, this)};
     for (const std::string& node : kNodes) processes_[node] = process_of(node);

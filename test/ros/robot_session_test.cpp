@@ -58,7 +58,7 @@ class RobotSession : public testing::Test {
             for (const auto& value : status.values)
               if (status.name == "simulator: simulation") diagnosis_[value.key] = value.value;
         })));
-    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
+    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10, true);
     hear_last(topics::simulator_markers, simulated_);
     hear_last(topics::simulator_actuators, actuators_);
     hear_last(topics::tracker_markers, tracked_);

@@ -235,7 +235,7 @@ TEST_F(Session, EndsWhatIsSolvedForLongByStopAndByReset) {
   request.path = scenes + "ballooning_arm.yaml";
   const auto loaded = ask<LoadScene>(topics::simulator_load, request);
   ASSERT_TRUE(loaded.success) << loaded.message;
-  ros::Publisher publisher = node_.advertise<ActuatorCommand>(topics::actuator_command, 1);
+  ros::Publisher publisher = node_.advertise<ActuatorCommand>(topics::actuator_command, 1, true);  // latched, as above
   ActuatorCommand command;
   command.names = {"a"};
   command.values = {40000.0};

@@ -42,7 +42,7 @@ class SolverChange : public testing::Test {
         largest_step_m_ = std::max(largest_step_m_, (position_of(m, "tip") - tips_m_.back()).norm());
       tips_m_.push_back(position_of(m, "tip"));
     });
-    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
+    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10, true);
   }
   static void TearDownTestSuite() {
     std::filesystem::remove_all(ros::NodeHandle("~").param<std::string>("cache", "/tmp/no_such_folder"));

@@ -112,7 +112,7 @@ class Drag {
 class Slider {
  public:
   bool begin() {
-    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
+    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10, true);
     actuators_ = node_.subscribe<ActuatorState>(
         topics::simulator_actuators, 1,
         boost::function<void(const ActuatorState::ConstPtr&)>([this](const auto& m) { state_ = *m; }));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -100,6 +99,7 @@ struct KnownRobot {
   double size_m = 0.0;                     // of its body at rest, along one axis
   std::map<std::string, double> commands;  // as the actuators last said, whoever sent them
   std::optional<FoundPolicy> found;        // the last
+  int found_count = 0;                     // of policies, since the node began
   Preview preview;
 };
 
@@ -158,7 +158,6 @@ class ControllerNode {
   ControllerModel model_;
   mutable std::mutex mutex_;  // guards what is known of the robot; held briefly
   KnownRobot known_;
-  std::atomic<int> found_count_{0};  // of policies, so far
 
   ros::NodeHandle node_;
   ControllerPublisher publisher_{node_};
@@ -234,6 +233,7 @@ void ControllerNode::load(const std::string& path) {
   model_.take(std::move(scene));
   {
     const std::lock_guard lock(mutex_);
+    robot.found_count = known_.found_count;
     known_ = std::move(robot);
   }
   publisher_.remove_ghost();
@@ -276,13 +276,13 @@ void ControllerNode::remember(const PolicyTask& task, const PolicyAnswer& answer
   if (played) publisher_.show_ghost(model_.skin());
   if (!played) publisher_.remove_ghost();
   known_.found = FoundPolicy{task, answer.policy};
-  ++found_count_;
+  ++known_.found_count;
 }
 
 // Not where another was found since: its ghost stays.
 void ControllerNode::remove_ghost(int found_count) {
   const std::lock_guard lock(mutex_);
-  if (found_count == found_count_) publisher_.remove_ghost();
+  if (found_count == known_.found_count) publisher_.remove_ghost();
 }
 
 // Where the model is at these commands, and not at those of a step that led nowhere.
@@ -462,7 +462,7 @@ bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Resp
 
 void ControllerNode::execute_policy(const ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
   try {
-    const int found_count = found_count_;
+    const int found_count = known(&KnownRobot::found_count);
     execute(with_policy(request), response);
     if (response.success) remove_ghost(found_count);  // the robot is there
   } catch (const ForwardModelInterrupted&) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -67,7 +68,7 @@ class SimulatorNode {
   void stop(std_srvs::Trigger::Response& response);
   std::string load(const std::string& path);
   std::string change_solver(const std::string& solver);
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose(NodeDiagnosis::Status& status);
   Eigen::Vector3d position_m() const { return Eigen::Vector3d::Map(options_.position_m.data()); }
   ros::Time session_time() const { return ros::Time(session_s_); }
 
@@ -86,7 +87,7 @@ class SimulatorNode {
   ros::NodeHandle node_;
   SimulationPublisher publisher_{options_.surface_rate_hz, options_.publish_clock};
   SceneAnnouncement announcement_;
-  ros::Subscriber commands_, pulls_;
+  std::vector<ros::Subscriber> subscribers_;
   SimulatorServices services_;  // last: its threads end first
 };
 
@@ -100,8 +101,8 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   auto first = prepare(options_.scene, options_.solver);
   if (const std::string failure = settle(*first); !failure.empty()) ROS_WARN("%s", log_text(failure).c_str());
   start(std::move(first));
-  commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
-  pulls_ = node_.subscribe(topics::simulator_pull, 10, &SimulatorNode::on_pull, this);
+  subscribers_ = {node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this),
+                  node_.subscribe(topics::simulator_pull, 10, &SimulatorNode::on_pull, this)};
   services_.serve_changes([this](const auto& request) { return load(request.path); },
                           [this](const auto& request) { return change_solver(request.solver); });
 }
@@ -282,11 +283,11 @@ std::string SimulatorNode::change_solver(const std::string& solver) {
   return name + (waits ? " is asked for; newton moves the robot until it can take over" : " moves the robot");
 }
 
-void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+void SimulatorNode::diagnose(NodeDiagnosis::Status& status) {
   const auto lock = gate_.try_for(std::chrono::milliseconds(500));
   if (lock && scene_) return monitor_.diagnose(*scene_, handover_.training(), status);
   const auto lasts_s = static_cast<long>(gate_.lasts_s());
-  status.summary(diagnostic_msgs::DiagnosticStatus::WARN,
+  status.summary(NodeDiagnosis::Status::WARN,
                  std::string(lock ? "loading" : "solving") + " for " + std::to_string(lasts_s) + " s; Stop ends it");
   status.add("lasts [s]", lasts_s);
 }

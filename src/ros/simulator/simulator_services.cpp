@@ -14,14 +14,11 @@ SimulatorServices::~SimulatorServices() {
 }
 
 void SimulatorServices::serve_control(Trigger reset, Trigger stop,
-                                      std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)> diagnose) {
+                                      std::function<void(NodeDiagnosis::Status&)> diagnose) {
   servers_.push_back(trigger(topics::simulator_reset, std::move(reset)));
   servers_.push_back(trigger(topics::simulator_stop, std::move(stop)));
-  diagnostics_.setHardwareID("simulated");
-  diagnostics_.add("simulation", std::move(diagnose));
-  ros::SteadyTimerOptions every_second(
-      ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); }, &control_queue_);
-  diagnostics_timer_ = node_.createSteadyTimer(every_second);
+  diagnosis_.add("simulation", std::move(diagnose));
+  diagnosis_.start(&control_queue_);
   control_.start();
 }
 

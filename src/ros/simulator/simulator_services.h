@@ -6,12 +6,13 @@
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/LoadScene.h>
 #include <soft_robot_lab/UseSolver.h>
 #include <std_srvs/Trigger.h>
+
+#include "ros/base/node_diagnosis.h"
 
 namespace soft_robot_lab {
 
@@ -28,8 +29,7 @@ class SimulatorServices {
   SimulatorServices& operator=(const SimulatorServices&) = delete;
 
   // What has to be answered while a step is solved, which may last; and a diagnosis each second.
-  void serve_control(Trigger reset, Trigger stop,
-                     std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)> diagnose);
+  void serve_control(Trigger reset, Trigger stop, std::function<void(NodeDiagnosis::Status&)> diagnose);
   // What takes seconds, one at a time; meanwhile the old scene goes on.
   void serve_changes(Change<LoadScene> load, Change<UseSolver> use_solver);
 
@@ -40,8 +40,7 @@ class SimulatorServices {
 
   ros::NodeHandle node_;
   ros::CallbackQueue control_queue_, changes_queue_;
-  diagnostic_updater::Updater diagnostics_;
-  ros::SteadyTimer diagnostics_timer_;
+  NodeDiagnosis diagnosis_{"simulated"};
   std::vector<ros::ServiceServer> servers_;
   ros::AsyncSpinner control_{2, &control_queue_}, changes_{1, &changes_queue_};  // the diagnosis waits too
 };

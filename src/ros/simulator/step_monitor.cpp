@@ -26,7 +26,7 @@ void StepMonitor::add_refusal(const std::string& why) {
 
 namespace {
 
-using Status = diagnostic_updater::DiagnosticStatusWrapper;
+using Status = NodeDiagnosis::Status;
 
 void diagnose_solver(const RunningScene& scene, const BackgroundTraining& training, Status& status) {
   const SceneMotion& motion = scene.motion;

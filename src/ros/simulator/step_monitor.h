@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/DiagnosticStatusWrapper.h>
-
 #include "robot/scene/background_training.h"
+#include "ros/base/node_diagnosis.h"
 #include "ros/simulator/running_scene.h"
 
 namespace soft_robot_lab {
@@ -33,8 +32,7 @@ class StepMonitor {
   void add_time(double session_s) { real_time_factor_.update(session_s); }  // after each step
   void add_refusal(const std::string& why);
 
-  void diagnose(RunningScene& scene, const BackgroundTraining& training,
-                diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose(RunningScene& scene, const BackgroundTraining& training, NodeDiagnosis::Status& status);
 
  private:
   SolveReport last_report_;

@@ -15,6 +15,7 @@
 #include "hardware/plant/same_commands.h"
 #include "ros/base/actuator_plugins.h"
 #include "ros/base/log_text.h"
+#include "ros/base/machine_time.h"
 #include "ros/base/publish_limit.h"
 #include "ros/base/topics.h"
 #include "ros/messages/conversions.h"
@@ -46,8 +47,6 @@ actuators of at most so many steps in each second of the session, or of the wall
 (10: pulls at the skin are cut to this force).)";
 
 using SteadyClock = std::chrono::steady_clock;
-
-double machine_time_s() { return std::chrono::duration<double>(SteadyClock::now().time_since_epoch()).count(); }
 
 class SimulatorNode {
  public:

@@ -67,7 +67,7 @@ ALLOWED = {  # a row names only rows above it, so no circle can be written
     "ros/recording": f"ros/tracking {ROS_BASE} {PRODUCT}",
     "ros/display": f"{ROS_BASE} {PRODUCT}",
     "ros/simulator": f"ros/display {ROS_BASE} {PRODUCT}",
-    "ros/controller": f"ros/recording {ROS_BASE} {PRODUCT}",
+    "ros/controller": f"ros/recording ros/display {ROS_BASE} {PRODUCT}",
     "ros/view": f"ros/display ros/base {PRODUCT}",
     "ros/panel": f"ros/view ros/display {ROS_BASE} {PRODUCT}",
     "ros/report": f"ros/tracking ros/cameras ros/recording ros/display {ROS_BASE} {PRODUCT}",

@@ -32,6 +32,7 @@
 #include "process_of.h"
 #include "ros/messages/conversions.h"
 #include "ros/messages/frames.h"
+#include "ros/base/machine_time.h"
 #include "ros/panel/panel_link.h"
 #include "ros/base/topics.h"
 #include "session_ears.h"
@@ -215,12 +216,12 @@ TEST_F(Panel, KeepsATargetThatItHearsOfBeforeItsRobot) {
   };
   ros::Publisher targets = elsewhere.advertise<Target>(topics::controller_target, 1, true);
   targets.publish(target);
-  ASSERT_TRUE(hears([&] { return link.targets() == 1; }));
+  ASSERT_TRUE(hears([&] { return link.state().targets() == 1; }));
   ros::Publisher ranges = elsewhere.advertise<ActuatorRanges>(topics::simulator_ranges, 1, true);
   ranges.publish(*hear<ActuatorRanges>(node_, topics::simulator_ranges));
-  ASSERT_TRUE(hears([&] { return link.values().rows().size() == 2; }));
-  ASSERT_TRUE(link.target("tip"));
-  EXPECT_EQ(link.target("tip")->x, 0.03);
+  ASSERT_TRUE(hears([&] { return link.state().values().rows().size() == 2; }));
+  ASSERT_TRUE(link.state().target("tip"));
+  EXPECT_EQ(link.state().target("tip")->x, 0.03);
 }
 
 // A session of another namespace, of which this test is all nodes.
@@ -280,34 +281,35 @@ TEST_F(Elsewhere, NothingIsShownOfARobotThatIsGone) {
   Target target;
   target.marker = "tip";
   target.position.x = 0.5;
-  link_.plot("tip");
+  link_.state().plot("tip");
   scenes.publish(scene);
   ranges.publish(ranges_at(10.0));
-  ASSERT_TRUE(hears([&] { return link_.robots() > 0 && link_.scene() == scene.data; }));
+  ASSERT_TRUE(hears([&] { return link_.state().robots() > 0 && link_.state().scene() == scene.data; }));
   markers.publish(tip_at(11.0, 0.01));
   targets.publish(target);
-  ASSERT_TRUE(hears([&] { return link_.target_marker() == "tip" && !link_.history().titles().empty(); }));
-  EXPECT_EQ(link_.target("tip")->x, 0.5);
+  ASSERT_TRUE(
+      hears([&] { return link_.state().target_marker() == "tip" && !link_.state().history().titles().empty(); }));
+  EXPECT_EQ(link_.state().target("tip")->x, 0.5);
 
-  const int before = link_.robots();
+  const int before = link_.state().robots();
   scene.data = "/robots/two.yaml";
   scenes.publish(scene);
   ranges.publish(ranges_at(20.0));
-  ASSERT_TRUE(hears([&] { return link_.robots() >= before + 2; }));
-  EXPECT_FALSE(link_.target("tip"));
-  EXPECT_TRUE(link_.markers().empty());
-  EXPECT_TRUE(link_.history().titles().empty());
+  ASSERT_TRUE(hears([&] { return link_.state().robots() >= before + 2; }));
+  EXPECT_FALSE(link_.state().target("tip"));
+  EXPECT_TRUE(link_.state().markers().names.empty());
+  EXPECT_TRUE(link_.state().history().titles().empty());
   markers.publish(tip_at(19.99, 0.01));  // of the first robot, and late
-  EXPECT_FALSE(hears([&] { return link_.target("tip").has_value(); }, 0.5));
+  EXPECT_FALSE(hears([&] { return link_.state().target("tip").has_value(); }, 0.5));
   markers.publish(tip_at(20.01, 0.02));
-  ASSERT_TRUE(hears([&] { return link_.target("tip").has_value(); }));
-  EXPECT_EQ(link_.target("tip")->x, 0.02);
+  ASSERT_TRUE(hears([&] { return link_.state().target("tip").has_value(); }));
+  EXPECT_EQ(link_.state().target("tip")->x, 0.02);
 
   target.marker.clear();  // as the controller says it
-  const int heard = link_.targets();
+  const int heard = link_.state().targets();
   targets.publish(target);
-  ASSERT_TRUE(hears([&] { return link_.targets() > heard; }));
-  EXPECT_EQ(link_.target_marker(), "");
+  ASSERT_TRUE(hears([&] { return link_.state().targets() > heard; }));
+  EXPECT_EQ(link_.state().target_marker(), "");
 }
 
 TEST_F(Elsewhere, SaysWhatCameOfATargetThatIsLetGo) {
@@ -341,12 +343,12 @@ TEST_F(Elsewhere, SaysWhyNothingCanBeSearchedFor) {
 }
 
 TEST_F(Elsewhere, FollowsAndChangesTheSolver) {
-  EXPECT_EQ(link_.solver(), "");
+  EXPECT_EQ(link_.state().solver(), "");
   ros::Publisher solver = elsewhere_.advertise<std_msgs::String>(topics::simulator_solver, 1, true);
   std_msgs::String name;
   name.data = "newton";
   solver.publish(name);
-  ASSERT_TRUE(hears([&] { return link_.solver() == "newton"; }));
+  ASSERT_TRUE(hears([&] { return link_.state().solver() == "newton"; }));
   std::string asked;
   const ros::ServiceServer use = elsewhere_.advertiseService<UseSolver::Request, UseSolver::Response>(
       topics::simulator_use_solver, [&](auto& request, auto& response) {
@@ -359,7 +361,7 @@ TEST_F(Elsewhere, FollowsAndChangesTheSolver) {
   EXPECT_EQ(asked, "reduced");
   EXPECT_FALSE(last("Solver")->success);
   EXPECT_EQ(last("Solver")->message, "no such model");
-  EXPECT_EQ(link_.solver(), "newton");
+  EXPECT_EQ(link_.state().solver(), "newton");
 }
 
 // What a user stops has not failed, and drives that are to hold are none that move alone.
@@ -389,9 +391,9 @@ TEST_F(Elsewhere, OnesOwnStopIsNoFault) {
   state.names = {"left"};
   state.commands = {0.8};
   state.actuated_commands = {0.9};
-  ASSERT_TRUE(hears([&] { return link_.robots() > 0 && link_.offers(topics::motor_stop); }));
+  ASSERT_TRUE(hears([&] { return link_.state().robots() > 0 && link_.offers(topics::motor_stop); }));
   states.publish(state);
-  ASSERT_TRUE(hears([&] { return link_.values().rows()[0].shown == 0.8; }));
+  ASSERT_TRUE(hears([&] { return link_.state().values().rows()[0].shown == 0.8; }));
   answering.start();
   link_.execute();
   motor.emergency_stop = true;
@@ -411,7 +413,7 @@ TEST_F(Elsewhere, OnesOwnStopIsNoFault) {
   for (const CallOutcome& outcome : outcomes_) EXPECT_TRUE(outcome.success) << outcome.title << outcome.message;
   EXPECT_EQ(last("Execute")->message, "ended by Stop");
   EXPECT_EQ(last("Move"), nullptr);
-  link_.values().edit("left", 1.1, PanelLink::now_s());  // now by hand
+  link_.state().values().edit("left", 1.1, machine_time_s());  // now by hand
   ASSERT_TRUE(listen_only("Move"));
   EXPECT_FALSE(last("Move")->success);
   EXPECT_EQ(last("Move")->message, "the simulation alone moves: the motors hold until Clear");

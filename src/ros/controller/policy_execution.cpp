@@ -56,6 +56,18 @@ ExecutePolicy::Response PolicyExecution::execute(const ExecutionOrder& order) {
   return response;
 }
 
+bool PolicyExecution::cancel() {
+  cancelled_ = true;
+  const bool executing = execution_.cancel();
+  return executing || preparing_;
+}
+
+std::shared_ptr<void> PolicyExecution::prepare() {
+  cancelled_ = false;
+  preparing_ = true;
+  return {nullptr, [this](void*) { preparing_ = false; }};
+}
+
 // Kept first: an execution that these markers end answers with them.
 void PolicyExecution::add_simulated(const MarkerObservations& markers) {
   if (!are_whole(markers)) return;

@@ -2,6 +2,8 @@
 // Execution for a node: takes topics' messages, and answers with the last of them.
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <mutex>
 
 #include <soft_robot_lab/ExecutePolicy.h>
@@ -24,7 +26,12 @@ class PolicyExecution {
   ExecutePolicy::Response execute(const ExecutionOrder& order);
 
   bool running() const { return execution_.running(); }
-  bool cancel() { return execution_.cancel(); }
+  // False where nothing is executed or prepared.
+  bool cancel();
+
+  // As long as what it returns is kept, an execution is prepared, which may be cancelled too.
+  std::shared_ptr<void> prepare();
+  bool cancelled() const { return cancelled_; }  // since prepare()
 
   // Messages that are not whole stand in the log; the next ones count.
   void add_simulated(const MarkerObservations& markers);
@@ -37,6 +44,7 @@ class PolicyExecution {
   void keep(const MarkerObservations& markers, MarkerObservations& heard);
 
   Execution execution_;
+  std::atomic<bool> preparing_{false}, cancelled_{false};
   mutable std::mutex mutex_;                 // guards what follows
   MarkerObservations simulated_, measured_;  // the last, also while nothing is executed
 };

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -22,6 +21,7 @@
 #include "ros/messages/frames.h"
 #include "ros/messages/image_messages.h"
 #include "ros/base/log_text.h"
+#include "ros/base/node_diagnosis.h"
 #include "ros/messages/message_limits.h"
 #include "ros/cameras/rendered_rig.h"
 #include "ros/base/topics.h"
@@ -124,7 +124,7 @@ class CameraNode {
   void serve_settings(std::size_t camera);
   bool show_balls(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool move(MoveCamera::Request& request, MoveCamera::Response& response);
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose(NodeDiagnosis::Status& status);
 
   RenderedRig rig_;
   SeenRobotStates robot_;
@@ -136,8 +136,7 @@ class CameraNode {
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   tf2_ros::StaticTransformBroadcaster true_poses_;
-  diagnostic_updater::Updater diagnostics_;
-  ros::SteadyTimer diagnostics_timer_;
+  NodeDiagnosis diagnosis_{"rendered"};
 };
 
 CameraNode::CameraNode(const CameraOptions& options)
@@ -159,10 +158,8 @@ CameraNode::CameraNode(const CameraOptions& options)
   };
   services_.push_back(node_.advertiseService(topics::show_balls, &CameraNode::show_balls, this));
   services_.push_back(node_.advertiseService(topics::move_camera, &CameraNode::move, this));
-  diagnostics_.setHardwareID("rendered");
-  diagnostics_.add("rendered cameras", this, &CameraNode::diagnose);
-  diagnostics_timer_ =
-      node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+  diagnosis_.add("rendered cameras", [this](auto& status) { diagnose(status); });
+  diagnosis_.start();
 }
 
 void CameraNode::run() {
@@ -241,7 +238,7 @@ bool CameraNode::move(MoveCamera::Request& request, MoveCamera::Response& respon
   return true;
 }
 
-void CameraNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+void CameraNode::diagnose(NodeDiagnosis::Status& status) {
   using Status = diagnostic_msgs::DiagnosticStatus;
   long dropped = 0;
   for (std::size_t i = 0; i < rig_.cameras().size(); ++i) dropped += rig_.counts(i).dropped;

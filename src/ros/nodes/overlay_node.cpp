@@ -4,20 +4,18 @@
 
 #include <ros/ros.h>
 #include <std_msgs/String.h>
-#include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include "read_parameter.h"
 #include "run_node.h"
-#include "ros/display/camera_overlay.h"
 #include "ros/messages/conversions.h"
-#include "ros/base/frame_listener.h"
 #include "ros/messages/frames.h"
 #include "ros/tracking/gap_meter.h"
 #include "ros/messages/image_messages.h"
 #include "ros/base/log_text.h"
 #include "ros/messages/message_limits.h"
 #include "ros/display/overlay.h"
+#include "ros/display/robot_image.h"
 #include "ros/base/stamps.h"
 #include "ros/base/topics.h"
 
@@ -29,9 +27,6 @@ constexpr const char* kOverlayAbout =
 compares tracked with simulated markers, publishes both as frames, and draws the simulated robot over what a camera sees of it, close up.
 
 Parameters: ~camera (whose image is drawn over, where the tracker believes it; absent: none).)";
-
-using sensor_msgs::CameraInfo;
-using sensor_msgs::Image;
 
 class OverlayNode {
  public:
@@ -50,12 +45,7 @@ class OverlayNode {
         node.subscribe(topics::simulator_scene, 1, &OverlayNode::on_scene, this),
     };
     const std::string camera = text_parameter(ros::NodeHandle("~"), "camera");
-    if (camera.empty()) return;
-    optical_frame_ = optical_frame(camera);
-    image_publisher_ = node.advertise<Image>(topics::overlay_image, 1);
-    subscribers_.push_back(node.subscribe(camera + "/color/camera_info", 1, &OverlayNode::on_info, this));
-    subscribers_.push_back(node.subscribe(camera + "/color/image_raw", 1, &OverlayNode::on_image, this));
-    subscribers_.push_back(node.subscribe(topics::simulator_surface, 1, &OverlayNode::on_surface, this));
+    if (!camera.empty()) image_.emplace(node, camera);
   }
 
  private:
@@ -87,6 +77,7 @@ class OverlayNode {
   void on_gap(const RealityGap& gap) {
     if (!is_in_limits<RealityGap>(gap)) return;
     inputs_.gap = gap;
+    if (image_) image_->show_gap(gap);
     gap_publisher_.publish(gap);
   }
   void on_actuators(const ActuatorState& actuators) {
@@ -105,25 +96,10 @@ class OverlayNode {
     if (!scene_.empty()) {
       inputs_ = OverlayInputs{{}, inputs_.measured, {}, {}, {}, {}};
       overlay_.forget();
+      if (image_) image_->show_gap(std::nullopt);
     }
     scene_ = scene.data;
   }
-  void on_info(const CameraInfo& info) { info_ = info; }
-  void on_surface(const visualization_msgs::Marker& surface) { surface_ = surface; }
-
-  void on_image(const Image& colour) {
-    if (image_publisher_.getNumSubscribers() == 0 || !info_ || !surface_) return;
-    try {
-      const auto pose = frames_.lookupTransform(optical_frame_, robot_frame(), ros::Time(0));
-      const Eigen::Isometry3d camera_from_robot = isometry(pose.transform);
-      const CloseUp::View view = close_up_.of(colour_image(colour), camera_model(*info_), camera_from_robot, *surface_);
-      const cv::Mat drawn = draw_robot(view.image, view.model, camera_from_robot, *surface_, inputs_.gap);
-      image_publisher_.publish(colour_message(drawn, colour.header));
-    } catch (const std::exception& error) {
-      ROS_WARN_THROTTLE(5.0, "%s: %s", topics::overlay_image, log_text(error.what()).c_str());
-    }
-  }
-
   void publish(const ros::Time& stamp) {
     const double age_s = seconds_between(published_, stamp);
     if (age_s >= 0.0 && age_s < period_s) return;
@@ -153,15 +129,10 @@ class OverlayNode {
   OverlayInputs inputs_;
   Overlay overlay_;
   GapMeter gap_{[this](const RealityGap& gap) { on_gap(gap); }};
-  std::string optical_frame_;
-  CloseUp close_up_;
-  std::optional<CameraInfo> info_;
-  std::optional<visualization_msgs::Marker> surface_;
+  std::optional<RobotImage> image_;
   ros::Time published_, simulated_stamp_, tracked_stamp_;
   tf2_ros::TransformBroadcaster marker_frames_;
-  ros::Publisher publisher_, label_publisher_, gap_publisher_, image_publisher_;
-  tf2_ros::Buffer frames_;
-  FrameListener listener_{frames_};
+  ros::Publisher publisher_, label_publisher_, gap_publisher_;
   std::vector<ros::Subscriber> subscribers_;
 };
 

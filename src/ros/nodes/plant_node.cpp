@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/ShaftState.h>
@@ -19,6 +18,7 @@
 #include "ros/base/latched_publisher.h"
 #include "ros/messages/conversions.h"
 #include "ros/base/log_text.h"
+#include "ros/base/node_diagnosis.h"
 #include "ros/messages/message_limits.h"
 #include "ros/simulator/pulling_hand.h"
 #include "ros/display/surface_marker.h"
@@ -67,10 +67,8 @@ class PlantNode {
                                                                        [this](const auto&) { surface_.forget(); });
     shafts_subscriber_ = node_.subscribe(topics::rig_shafts, 1000, &PlantNode::on_shafts, this);
     pull_subscriber_ = node_.subscribe(topics::plant_pull, 10, &PlantNode::on_pull, this);
-    diagnostics_.setHardwareID("emulated");
-    diagnostics_.add("plant", this, &PlantNode::diagnose);
-    diagnostics_timer_ =
-        node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+    diagnosis_.add("plant", [this](auto& status) { diagnose(status); });
+    diagnosis_.start();
   }
 
   void run() {
@@ -127,8 +125,8 @@ class PlantNode {
     }
   }
 
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-    using Status = diagnostic_msgs::DiagnosticStatus;
+  void diagnose(NodeDiagnosis::Status& status) {
+    using Status = NodeDiagnosis::Status;
     if (!refusal_.empty())
       status.summary(Status::WARN, refusal_);
     else if (late_.lost_s() > reported_lost_s_ + 0.1)
@@ -154,8 +152,7 @@ class PlantNode {
   ros::Publisher markers_publisher_, surface_publisher_;
   std::unique_ptr<PullingHand> hand_;
   ros::Subscriber shafts_subscriber_, pull_subscriber_;
-  diagnostic_updater::Updater diagnostics_;
-  ros::SteadyTimer diagnostics_timer_;
+  NodeDiagnosis diagnosis_{"emulated"};
 };
 
 }  // namespace

@@ -6,30 +6,25 @@
 #include <string>
 #include <vector>
 
-#include <actionlib/server/simple_action_server.h>
-#include <diagnostic_updater/diagnostic_updater.h>
-#include <dynamic_reconfigure/Reconfigure.h>
 #include <message_filters/subscriber.h>
 #include <ros/ros.h>
-#include <soft_robot_lab/Calibrate.h>
-#include <soft_robot_lab/CalibrateAction.h>
 #include <std_msgs/String.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "read_parameter.h"
 #include "run_node.h"
-#include "ros/cameras/calibrate_request.h"
+#include "perception/tracking/annotate.h"
+#include "ros/base/log_text.h"
+#include "ros/base/node_diagnosis.h"
+#include "ros/base/topics.h"
+#include "ros/cameras/calibration_service.h"
 #include "ros/cameras/camera_diagnosis.h"
 #include "ros/messages/frames.h"
 #include "ros/messages/image_messages.h"
-#include "ros/base/log_text.h"
 #include "ros/recording/replay_tracking.h"
-#include "ros/messages/same_fields.h"
-#include "ros/base/topics.h"
-#include "ros/tracking/tracker_parameters.h"
+#include "ros/tracking/tracker_parameter_server.h"
 #include "ros/tracking/tracking_input.h"
 #include "settings/quantile.h"
-#include "perception/tracking/annotate.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -44,12 +39,9 @@ Parameters: ~cameras (list of names: the topics' first parts), ~tracker (path of
 ~balls (path of the calibration's balls; absent: no calibration), ~bag and ~output (paths: a recording to read, and
 a bag to write).)";
 
-using diagnostic_updater::DiagnosticStatusWrapper;
 using sensor_msgs::CameraInfo;
 using sensor_msgs::Image;
-using TrackerStatus = diagnostic_msgs::DiagnosticStatus;
-
-constexpr double diagnosis_period_s = 1;
+using Status = NodeDiagnosis::Status;
 
 struct NodeOptions {
   TrackingInputOptions input;
@@ -88,6 +80,7 @@ class TrackerNode {
     std::unique_ptr<ImagePair> pair;
     ros::Subscriber info;
     CameraDiagnosis diagnosis;
+    int silent = 0;  // diagnoses without an image
   };
 
   template <typename Action>
@@ -99,36 +92,31 @@ class TrackerNode {
   void publish_image(const MarkerTracking::Result& result) const;
   void report_displaced_cameras();
   void broadcast(const std::vector<CameraPose>& poses);
-  void serve_parameters();
-  bool set_parameters(dynamic_reconfigure::Reconfigure::Request& request,
-                      dynamic_reconfigure::Reconfigure::Response& response);
-  void on_calibrate_goal();
-  bool calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response);
-  void diagnose(DiagnosticStatusWrapper& status);
-  void diagnose_camera(const std::string& camera, DiagnosticStatusWrapper& status);
+  void diagnose(Status& status);
+  void diagnose_camera(const std::string& camera, Status& status);
   void warn_of(const std::string& camera, const std::string& message);
-  void diagnose_places(DiagnosticStatusWrapper& status);
+  void diagnose_places(Status& status);
+
+  struct SinceDiagnosis {
+    std::string problem;              // the last
+    std::vector<double> latencies_s;  // from stamp to markers
+  };
 
   NodeOptions options_;
   TrackingInput input_;
-  std::unique_ptr<CalibrationSession> calibration_;
-  std::string problem_;                              // the last, since the last diagnosis
-  std::map<std::string, int> silent_;                // diagnoses without an image, by camera
+  SinceDiagnosis since_;
   std::vector<std::string> lost_;                    // as last reported
-  std::vector<double> latencies_s_;                  // from stamp to markers, since the last diagnosis
   std::vector<std::vector<std::string>> displaced_;  // named in the log
 
   ros::NodeHandle node_;
-  ros::NodeHandle own_node_{"~"};
-  ros::Publisher markers_, steps_, image_, descriptions_, updates_;
-  ros::ServiceServer set_parameters_;
+  ros::Publisher markers_, steps_, image_;
   std::vector<ros::Subscriber> subscribers_;
   std::map<std::string, std::unique_ptr<Camera>> cameras_;
-  ros::ServiceServer calibrate_;
-  actionlib::SimpleActionServer<CalibrateAction> calibrate_action_{node_, topics::calibrate, false};
+  std::unique_ptr<CalibrationService> calibration_;
+  TrackerParameterServer parameters_{input_.settings(),
+                                     [this](const auto& settings) { input_.set_settings(settings); }};
   tf2_ros::StaticTransformBroadcaster frames_;
-  diagnostic_updater::Updater diagnostics_;
-  ros::SteadyTimer diagnostics_timer_;
+  NodeDiagnosis diagnosis_{"cameras"};
 };
 
 TrackerNode::TrackerNode(const NodeOptions& options)
@@ -136,13 +124,12 @@ TrackerNode::TrackerNode(const NodeOptions& options)
   markers_ = node_.advertise<MarkerObservations>(topics::tracker_markers, 100);
   steps_ = node_.advertise<TrackerUpdateLog>(topics::tracker_steps, 100);
   image_ = node_.advertise<Image>(topics::tracker_image, 2);
-  serve_parameters();
-  if (!options_.balls.empty()) {
-    calibration_ = std::make_unique<CalibrationSession>(read_ball_placement(options_.balls), BallFinderSettings());
-    calibrate_ = node_.advertiseService(topics::calibrate, &TrackerNode::calibrate_cameras, this);
-    calibrate_action_.registerGoalCallback([this] { on_calibrate_goal(); });
-    calibrate_action_.start();
-  }
+  if (!options_.balls.empty())
+    calibration_ = std::make_unique<CalibrationService>(node_, options_.balls, options_.input.poses,
+                                                        [this](const std::vector<CameraPose>& found) {
+                                                          input_.set_poses(found);
+                                                          broadcast(found);
+                                                        });
   if (!input_.poses_file().empty()) ROS_INFO("the cameras stand as %s says", input_.poses_file().c_str());
   broadcast(input_.poses());
   if (options_.input.scene.empty())
@@ -153,15 +140,13 @@ TrackerNode::TrackerNode(const NodeOptions& options)
       topics::simulator_markers, 60, [this](const MarkerObservations::ConstPtr& message) {
         attempt(topics::simulator_markers, [&] { input_.add_simulated(*message); });
       }));
-  diagnostics_.setHardwareID("cameras");
-  diagnostics_.add("tracker", this, &TrackerNode::diagnose);
-  diagnostics_.add("places of cameras", this, &TrackerNode::diagnose_places);
+  diagnosis_.add("tracker", [this](Status& status) { diagnose(status); });
+  diagnosis_.add("places of cameras", [this](Status& status) { diagnose_places(status); });
   for (const std::string& camera : options_.input.tracking.cameras) {
     subscribe(camera);
-    diagnostics_.add(camera, [this, camera](DiagnosticStatusWrapper& status) { diagnose_camera(camera, status); });
+    diagnosis_.add(camera, [this, camera](Status& status) { diagnose_camera(camera, status); });
   }
-  diagnostics_timer_ = node_.createSteadyTimer(ros::WallDuration(diagnosis_period_s),
-                                               [this](const auto&) { diagnostics_.force_update(); });
+  diagnosis_.start();
 }
 
 void TrackerNode::subscribe(const std::string& name) {
@@ -169,9 +154,9 @@ void TrackerNode::subscribe(const std::string& name) {
   camera.info = node_.subscribe<CameraInfo>(info_topic(name), 5, [this, name](const CameraInfo::ConstPtr& info) {
     const bool usable = attempt(name, [&] {
       input_.add_info(name, *info);
-      if (calibration_) calibration_->set_camera({name, camera_model(*info), Eigen::Isometry3d::Identity()});
+      if (calibration_) calibration_->session().set_camera({name, camera_model(*info), Eigen::Isometry3d::Identity()});
     });
-    if (!usable) cameras_.at(name)->diagnosis.failed(problem_);
+    if (!usable) cameras_.at(name)->diagnosis.failed(since_.problem);
   });
   camera.colour.subscribe(node_, colour_topic(name), waiting_images);
   camera.depth.subscribe(node_, depth_topic(name), waiting_images);
@@ -195,10 +180,10 @@ void TrackerNode::on_pair(const std::string& camera, const Image& colour, const 
   diagnosis.frame_came();
   const bool usable = attempt(camera, [&] {
     const RgbdFrame frame = rgbd_frame(camera, colour, depth);
-    if (calibration_) calibration_->add(frame);
+    if (calibration_) calibration_->session().add(frame);
     input_.add_frame(frame);
   });
-  if (!usable) diagnosis.failed(problem_);
+  if (!usable) diagnosis.failed(since_.problem);
 }
 
 // Whether it could be done. Bad messages are logged and counted; the next ones go on.
@@ -208,8 +193,8 @@ bool TrackerNode::attempt(const std::string& what, Action action) {
     action();
     return true;
   } catch (const std::exception& error) {
-    problem_ = what + ": " + error.what();
-    ROS_WARN_THROTTLE(1.0, "%s", log_text(problem_).c_str());
+    since_.problem = what + ": " + error.what();
+    ROS_WARN_THROTTLE(1.0, "%s", log_text(since_.problem).c_str());
     return false;
   }
 }
@@ -217,16 +202,16 @@ bool TrackerNode::attempt(const std::string& what, Action action) {
 void TrackerNode::on_result(const MarkerTracking::Result& result) {
   const TrackerReport& report = result.report;
   for (const CameraProblem& problem : report.problems) {
-    if (problem.silent && !problem_.empty()) continue;  // why it has not is already logged
-    problem_ = problem.message;
-    ROS_WARN_THROTTLE(1.0, "%s", log_text(problem_).c_str());
+    if (problem.silent && !since_.problem.empty()) continue;  // why it has not is already logged
+    since_.problem = problem.message;
+    ROS_WARN_THROTTLE(1.0, "%s", log_text(since_.problem).c_str());
     if (problem.silent) continue;  // its own diagnosis finds that out
     cameras_.at(problem.camera)->diagnosis.failed(problem.message);
   }
   if (!report.updated) return;
   markers_.publish(result.observations);
   steps_.publish(result.step);
-  latencies_s_.push_back(ros::Time::now().toSec() - result.observations.header.stamp.toSec());
+  since_.latencies_s.push_back(ros::Time::now().toSec() - result.observations.header.stamp.toSec());
   lost_ = report.lost;
   for (auto& [name, camera] : cameras_) {
     const auto own = std::count_if(report.sights.begin(), report.sights.end(),
@@ -263,79 +248,37 @@ void TrackerNode::broadcast(const std::vector<CameraPose>& poses) {
   if (!messages.empty()) frames_.sendTransform(messages);
 }
 
-// On the thread of the topics, as the service: images and calibration take turns.
-void TrackerNode::on_calibrate_goal() {
-  auto request = same_fields<Calibrate::Request>(*calibrate_action_.acceptNewGoal());
-  Calibrate::Response response;
-  calibrate_cameras(request, response);
-  const auto result = same_fields<CalibrateResult>(response);
-  if (result.success)
-    calibrate_action_.setSucceeded(result, result.message);
-  else
-    calibrate_action_.setAborted(result, result.message);
-}
-
-// As dynamic_reconfigure's own servers: what is out of range is cut, and the answer is what holds now.
-void TrackerNode::serve_parameters() {
-  descriptions_ = own_node_.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
-  updates_ = own_node_.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
-  descriptions_.publish(description_message(input_.settings()));
-  updates_.publish(config_message(input_.settings()));
-  set_parameters_ = own_node_.advertiseService("set_parameters", &TrackerNode::set_parameters, this);
-}
-
-bool TrackerNode::set_parameters(dynamic_reconfigure::Reconfigure::Request& request,
-                                 dynamic_reconfigure::Reconfigure::Response& response) {
-  input_.set_settings(with_request(input_.settings(), request.config));
-  response.config = config_message(input_.settings());
-  updates_.publish(response.config);
-  descriptions_.publish(description_message(input_.settings()));
-  return true;
-}
-
-bool TrackerNode::calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response) {
-  const std::vector<CameraPose> found = calibrate(request, *calibration_, options_.input.poses, response);
-  if (!found.empty()) {
-    input_.set_poses(found);
-    broadcast(found);
-  }
-  if (!response.success) ROS_WARN("%s refused: %s", topics::calibrate, log_text(response.message).c_str());
-  return true;
-}
-
-void TrackerNode::diagnose(DiagnosticStatusWrapper& status) {
+void TrackerNode::diagnose(Status& status) {
   const MarkerTracking* tracking = input_.tracking();
   if (!tracking) {
-    status.summary(TrackerStatus::WARN, "waits for a scene");
+    status.summary(Status::WARN, "waits for a scene");
   } else if (tracking->cameras().empty()) {
-    status.summary(TrackerStatus::ERROR, "no camera can be used: of none both its pose and its lens are known");
-  } else if (!problem_.empty()) {
-    status.summary(TrackerStatus::WARN, problem_);
-  } else if (latencies_s_.empty()) {
-    status.summary(TrackerStatus::ERROR, "no images could be used in the last second");
+    status.summary(Status::ERROR, "no camera can be used: of none both its pose and its lens are known");
+  } else if (!since_.problem.empty()) {
+    status.summary(Status::WARN, since_.problem);
+  } else if (since_.latencies_s.empty()) {
+    status.summary(Status::ERROR, "no images could be used in the last second");
   } else if (!lost_.empty()) {
-    status.summary(TrackerStatus::WARN,
-                   std::to_string(lost_.size()) + " markers are lost, the first is " + lost_.front());
+    status.summary(Status::WARN, std::to_string(lost_.size()) + " markers are lost, the first is " + lost_.front());
   } else {
-    status.summary(TrackerStatus::OK, "all markers are followed");
+    status.summary(Status::OK, "all markers are followed");
   }
   if (tracking) status.add("frames of cameras not known yet", tracking->unusable_frames());
-  if (!latencies_s_.empty()) {
-    status.add("latency, median [ms]", 1e3 * median(latencies_s_));
-    status.add("latency, worst [ms]", 1e3 * quantile(latencies_s_, 1));
+  if (!since_.latencies_s.empty()) {
+    status.add("latency, median [ms]", 1e3 * median(since_.latencies_s));
+    status.add("latency, worst [ms]", 1e3 * quantile(since_.latencies_s, 1));
   }
-  latencies_s_.clear();
-  problem_.clear();
+  since_ = {};
 }
 
-void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWrapper& status) {
+void TrackerNode::diagnose_camera(const std::string& camera, Status& status) {
   CameraDiagnosis& diagnosis = cameras_.at(camera)->diagnosis;
   if (diagnosis.unpaired()) pair_up(camera);  // as where the clock was set back
-  const auto finding = diagnosis.diagnose(diagnosis_period_s, input_.missing(camera));
+  const auto finding = diagnosis.diagnose(NodeDiagnosis::period_s, input_.missing(camera));
   using Level = CameraDiagnosis::Level;
-  status.summary(finding.level == Level::ok        ? TrackerStatus::OK
-                 : finding.level == Level::warning ? TrackerStatus::WARN
-                                                   : TrackerStatus::ERROR,
+  status.summary(finding.level == Level::ok        ? Status::OK
+                 : finding.level == Level::warning ? Status::WARN
+                                                   : Status::ERROR,
                  finding.message);
   status.add("frames", diagnosis.all_frames());
   if (finding.level == Level::error) warn_of(camera, finding.message);
@@ -344,8 +287,8 @@ void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWra
 // Once for each camera that no image ever came of: most likely its name is wrong.
 void TrackerNode::warn_of(const std::string& camera, const std::string& message) {
   constexpr int patience = 5;  // diagnoses
-  int& silent = silent_[camera];
-  if (cameras_.at(camera)->diagnosis.all_frames() > 0 || ++silent != patience) return;
+  Camera& own = *cameras_.at(camera);
+  if (own.diagnosis.all_frames() > 0 || ++own.silent != patience) return;
   const std::string end = "/color/camera_info";
   std::string others;
   ros::master::V_TopicInfo published;
@@ -358,18 +301,17 @@ void TrackerNode::warn_of(const std::string& camera, const std::string& message)
 }
 
 // Whether a camera was displaced.
-void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
+void TrackerNode::diagnose_places(Status& status) {
   const MarkerTracking* tracking = input_.tracking();
   std::string unwatched;
   for (const std::string& camera : options_.input.tracking.cameras)
     if (!tracking || tracking->watch().watched().count(camera) == 0)
       unwatched += (unwatched.empty() ? "" : ", ") + camera;
-  status.summary(TrackerStatus::OK,
-                 unwatched.empty() ? "what all cameras see agrees"
-                                   : "not watched, for want of markers that another camera sees too: " + unwatched);
+  status.summary(Status::OK, unwatched.empty()
+                                 ? "what all cameras see agrees"
+                                 : "not watched, for want of markers that another camera sees too: " + unwatched);
   if (!tracking) return;
-  for (const CameraWarning& warning : tracking->watch().warnings())
-    status.mergeSummary(TrackerStatus::WARN, warning.message);
+  for (const CameraWarning& warning : tracking->watch().warnings()) status.mergeSummary(Status::WARN, warning.message);
 }
 
 void print(const ReplaySummary& summary, const std::string& output) {

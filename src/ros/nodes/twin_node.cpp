@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
@@ -16,6 +15,7 @@
 #include "ros/base/latched_publisher.h"
 #include "ros/messages/load_messages.h"
 #include "ros/base/log_text.h"
+#include "ros/base/node_diagnosis.h"
 #include "ros/messages/message_limits.h"
 #include "ros/display/surface_marker.h"
 #include "ros/base/topics.h"
@@ -49,9 +49,8 @@ class TwinNode {
                         &TwinNode::on_markers, this),
     };
     untouched_server_ = node_.advertiseService(topics::twin_untouched, &TwinNode::on_untouched, this);
-    diagnostics_.setHardwareID("none");
-    diagnostics_.add("twin", this, &TwinNode::diagnose);
-    timer_ = node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+    diagnosis_.add("twin", [this](auto& status) { diagnose(status); });
+    diagnosis_.start();
   }
 
  private:
@@ -111,8 +110,8 @@ class TwinNode {
     return true;
   }
 
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-    using Status = diagnostic_msgs::DiagnosticStatus;
+  void diagnose(NodeDiagnosis::Status& status) {
+    using Status = NodeDiagnosis::Status;
     if (!twin_)
       status.summary(Status::WARN, "waits for a scene");
     else if (words_.empty())
@@ -133,8 +132,7 @@ class TwinNode {
   PresentPublisher<visualization_msgs::Marker> surface_{topics::twin_surface};
   std::vector<ros::Subscriber> subscribers_;
   ros::ServiceServer untouched_server_;
-  diagnostic_updater::Updater diagnostics_;
-  ros::SteadyTimer timer_;
+  NodeDiagnosis diagnosis_{"none"};
 };
 
 }  // namespace

@@ -1,43 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "panel_link.h"
 
-#include <algorithm>
-#include <chrono>
+#include <optional>
 #include <sstream>
+#include <utility>
 
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/master.h>
 #include <ros/this_node.h>
 #include <soft_robot_lab/Calibrate.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/LoadScene.h>
+#include <soft_robot_lab/OptimisePolicy.h>
 #include <soft_robot_lab/UseSolver.h>
 #include <soft_robot_lab/ZeroMotors.h>
-#include <std_msgs/Bool.h>
-#include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <visualization_msgs/Marker.h>
 #include <xmlrpcpp/XmlRpc.h>
 
-#include "ros/display/plasma.h"
-#include "ros/base/stamps.h"
+#include "found_text.h"
+#include "ros/base/machine_time.h"
 #include "ros/base/topics.h"
+#include "ros/display/plasma.h"
 
 namespace soft_robot_lab {
 namespace {
-
-std::string without_slashes(std::string name) {
-  while (!name.empty() && name.front() == '/') name.erase(0, 1);
-  while (!name.empty() && name.back() == '/') name.pop_back();
-  return name;
-}
-
-template <typename Message, typename Action>
-ros::Subscriber listen_to(ros::NodeHandle& node, const std::string& topic, int queue, Action action) {
-  return node.subscribe<Message>(topic, queue,
-                                 boost::function<void(const typename Message::ConstPtr&)>(
-                                     [action](const typename Message::ConstPtr& message) { action(*message); }));
-}
 
 // Of the whole graph, by one question to the master.
 std::set<std::string> services_offered() {
@@ -57,118 +45,32 @@ geometry_msgs::Point point_message(const Eigen::Vector3d& position_m) {
   return message;
 }
 
-// Of the service's answer, and of the same fields where a target was let go.
-template <typename Answer>
-std::string found_text(const Answer& found) {
-  std::ostringstream text;
-  text.precision(3);
-  text << 1e3 * found.summary.final_distance_m << " mm from the target after " << found.summary.iterations
-       << " iterations. " << found.message;
-  return text.str();
+ros::NodeHandle node_with_queue(const std::string& session, ros::CallbackQueue& queue) {
+  ros::NodeHandle node(session);
+  node.setCallbackQueue(&queue);
+  return node;
 }
 
 }  // namespace
 
-PanelLink::PanelLink(const std::string& session) : node_(session) {
-  node_.setCallbackQueue(&queue_);
-  lamps_ = Lamps(without_slashes(node_.getNamespace()));
-  commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
-  diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
-  target_shown_ = node_.advertise<Target>(topics::target_shown, 10);
-  tips_ = node_.advertise<visualization_msgs::Marker>(topics::panel_tips, 1, true);
-  subscribers_ = {
-      listen_to<ActuatorRanges>(node_, topics::simulator_ranges, 1, [this](const auto& m) { on_ranges(m); }),
-      listen_to<ActuatorState>(node_, topics::simulator_actuators, 1,
-                               [this](const auto& m) {
-                                 values_.add_state(m, now_s());
-                                 history_.add(m);
-                               }),
-      listen_to<MarkerObservations>(node_, topics::simulator_markers, 1, [this](const auto& m) { on_markers(m); }),
-      listen_to<std_msgs::String>(node_, topics::simulator_scene, 1, [this](const auto& m) { on_scene(m.data); }),
-      listen_to<std_msgs::String>(node_, topics::simulator_solver, 1, [this](const auto& m) { solver_ = m.data; }),
-      listen_to<Target>(node_, topics::controller_target, 1, [this](const auto& m) { on_target(m); }),
-      listen_to<OptimisePolicyResult>(node_, topics::target_answer, 10, [this](const auto& m) { on_target_answer(m); }),
-      listen_to<RealityGap>(node_, topics::reality_gap, 1,
-                            [this](const auto& m) {
-                              lamps_.add(m, now_s());
-                              history_.add(m);
-                            }),
-      listen_to<std_msgs::Bool>(node_, topics::session_recording, 1,
-                                [this](const auto& m) { recording_ = m.data != 0; }),
-      listen_to<MotorState>(node_, topics::motor_state, 1, [this](const auto& m) { motors_ = m; }),
-      listen_to<diagnostic_msgs::DiagnosticArray>(node_, "/diagnostics", 50,
-                                                  [this](const auto& m) { lamps_.add(m, now_s()); }),
-  };
-}
-
-double PanelLink::now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// The first robot's target may have been heard before it.
-void PanelLink::forget() {
-  if (robots_++ > 0) target_.reset();
-  markers_ = {};
-  history_ = {};
-  ++targets_;
-}
-
-void PanelLink::on_ranges(const ActuatorRanges& ranges) {
-  forget();
-  started_ = ranges.header.stamp;
-  try {
-    values_.set_ranges(ranges);
-  } catch (const std::invalid_argument& error) {
-    notes_.push_back({"Actuators", false, error.what()});
-  }
-}
-
-// Those that came late of the robot before move neither plot nor target. A clock that was set back counts anew.
-void PanelLink::on_markers(const MarkerObservations& markers) {
-  const double after_s = seconds_between(started_, markers.header.stamp);
-  if (after_s <= 0.0 && after_s > -1.0) return;
-  markers_ = markers;
-  history_.add(markers, plotted_);
-}
-
-void PanelLink::on_scene(const std::string& scene) {
-  if (!scene_.empty() && scene != scene_) forget();
-  scene_ = scene;
-  robot_box_m_.reset();
-  surface_ = listen_to<visualization_msgs::Marker>(node_, topics::simulator_surface, 1,
-                                                   [this](const auto& m) { on_surface(m); });
-}
-
-void PanelLink::on_target(const Target& target) {
-  target_ = target;
-  if (target.marker.empty()) target_.reset();
-  ++targets_;
-}
-
-void PanelLink::on_target_answer(const OptimisePolicyResult& answer) {
-  const bool found = answer.success != 0;
-  notes_.push_back({"Target", found, found ? found_text(answer) + "; Execute goes there" : answer.message});
-}
-
-void PanelLink::on_surface(const visualization_msgs::Marker& surface) {
-  if (robot_box_m_) return;
-  Eigen::AlignedBox3d box_m;
-  for (const geometry_msgs::Point& point : surface.points) box_m.extend(Eigen::Vector3d(point.x, point.y, point.z));
-  if (box_m.isEmpty() || !box_m.sizes().allFinite()) return;
-  robot_box_m_ = box_m;
-  robot_frame_ = surface.header.frame_id;
-}
+PanelLink::PanelLink(const std::string& session)
+    : node_(node_with_queue(session, queue_)),
+      state_(node_),
+      commands_(node_.advertise<ActuatorCommand>(topics::actuator_command, 10)),
+      target_shown_(node_.advertise<Target>(topics::target_shown, 10)),
+      tips_(node_.advertise<visualization_msgs::Marker>(topics::panel_tips, 1, true)),
+      diagnostics_(node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10)) {}
 
 void PanelLink::listen() {
   queue_.callAvailable();
-  if (robot_box_m_) surface_.shutdown();
+  state_.end_turn();
   if (send_edits()) report_where_nothing_moves();
   constexpr double look_period_s = 2.0;
-  if (now_s() - looked_at_s_ > look_period_s) look_for_services();
+  if (machine_time_s() - looked_at_s_ > look_period_s) look_for_services();
 }
 
 bool PanelLink::send_edits() {
-  ActuatorCommand command = values_.take_command();
+  ActuatorCommand command = state_.values().take_command();
   if (command.names.empty()) return false;
   command.header.stamp = ros::Time::now();
   commands_.publish(command);
@@ -176,7 +78,7 @@ bool PanelLink::send_edits() {
 }
 
 void PanelLink::look_for_services() {
-  looked_at_s_ = now_s();
+  looked_at_s_ = machine_time_s();
   calls_.start(look_lane, "", [this] {
     std::set<std::string> offered = services_offered();
     const std::lock_guard lock(services_mutex_);
@@ -199,21 +101,15 @@ std::string PanelLink::why_not(const std::string& service) const {
   return "nothing here offers " + node_.resolveName(service);
 }
 
-std::vector<Lamp> PanelLink::lamps() const { return lamps_.lamps(now_s()); }
-
-std::optional<geometry_msgs::Point> PanelLink::target(const std::string& marker) const {
-  if (target_ && target_->marker == marker) return target_->position;
-  const auto found = std::find(markers_.names.begin(), markers_.names.end(), marker);
-  const auto index = static_cast<std::size_t>(found - markers_.names.begin());
-  if (index >= markers_.positions.size()) return std::nullopt;
-  return markers_.positions[index];
-}
+std::vector<Lamp> PanelLink::lamps() const { return state_.lamps().lamps(machine_time_s()); }
+std::optional<Lamps::Training> PanelLink::training() const { return state_.lamps().training(machine_time_s()); }
 
 // A slider sends its command all the same, and would move nothing.
 void PanelLink::report_where_nothing_moves() {
-  std::string fault = lamps_.link_fault(now_s());
-  if (motors_ && motors_->emergency_stop) fault = "the motors hold until Clear";
-  if (motors_ && !fault.empty()) notes_.push_back({"Move", false, "the simulation alone moves: " + fault});
+  const std::optional<MotorState>& motors = state_.motors();
+  std::string fault = state_.lamps().link_fault(machine_time_s());
+  if (motors && motors->emergency_stop) fault = "the motors hold until Clear";
+  if (motors && !fault.empty()) notes_.push_back({"Move", false, "the simulation alone moves: " + fault});
 }
 
 // A policy that was just stopped may have sent one more command meanwhile. What Stop ends has not failed.
@@ -226,14 +122,14 @@ std::vector<CallOutcome> PanelLink::take_outcomes() {
       outcome = {outcome.title, true, "ended by Stop"};
   }
   if (!goes_on) stopped_ = false;
-  outcomes.insert(outcomes.end(), notes_.begin(), notes_.end());
-  notes_.clear();
+  for (const std::vector<CallOutcome>& notes : {state_.take_notes(), std::exchange(notes_, {})})
+    outcomes.insert(outcomes.end(), notes.begin(), notes.end());
   return outcomes;
 }
 
 // Of those drives nothing has to be said that stand where they are.
 void PanelLink::hold() {
-  values_.edit_all_to_reached(now_s());
+  state_.values().edit_all_to_reached(machine_time_s());
   send_edits();
 }
 
@@ -250,7 +146,7 @@ void PanelLink::optimise(const std::string& method, const std::string& marker, c
 void PanelLink::show_target(const std::string& marker, const Eigen::Vector3d& target_m) {
   Target shown;
   shown.header.stamp = ros::Time::now();
-  shown.header.frame_id = markers_.header.frame_id;
+  shown.header.frame_id = state_.markers().header.frame_id;
   shown.marker = marker;
   shown.position = point_message(target_m);
   target_shown_.publish(shown);
@@ -258,7 +154,7 @@ void PanelLink::show_target(const std::string& marker, const Eigen::Vector3d& ta
 
 void PanelLink::show_tips(const ReachableTips& tips, const TipQuantity& coloured_by) {
   visualization_msgs::Marker cloud;
-  cloud.header.frame_id = markers_.header.frame_id;
+  cloud.header.frame_id = state_.markers().header.frame_id;
   cloud.ns = "reachable_tips";
   cloud.action = tips.tips.empty() ? visualization_msgs::Marker::DELETE : visualization_msgs::Marker::ADD;
   cloud.type = visualization_msgs::Marker::SPHERE_LIST;
@@ -326,8 +222,8 @@ void PanelLink::stop() {
 }
 
 void PanelLink::reset() {
-  if (motors_) {
-    values_.edit_all_to_rest(now_s());
+  if (state_.motors()) {
+    state_.values().edit_all_to_rest(machine_time_s());
   } else {
     ask_trigger(quick_lane, "Reset", topics::simulator_reset);
   }

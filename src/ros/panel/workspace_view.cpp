@@ -2,17 +2,10 @@
 #include "workspace_view.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
-#include <QCryptographicHash>
-#include <QDir>
-#include <QFile>
-#include <QFileInfo>
 #include <QGridLayout>
 #include <QSignalBlocker>
-#include <QStandardPaths>
-#include <QThread>
 #include <qwt_color_map.h>
 #include <qwt_picker_machine.h>
 #include <qwt_plot.h>
@@ -90,7 +83,10 @@ WorkspaceView::WorkspaceView(Shown shown, std::function<void(const ReachableTip&
       colour_(new QComboBox(this)),
       number_(new QSpinBox(this)),
       state_(plain_label("Where does the marker reach?", this)),
-      plot_(new QwtPlot(this)) {
+      plot_(new QwtPlot(this)),
+      search_({[this](bool runs) { find_->setText(runs ? "Stop f&inding" : "F&ind tips"); },
+               [this](const QString& text) { state_->setText(text); },
+               [this](ReachableTips tips) { take(std::move(tips)); }}) {
   find_->setToolTip("Finds where the marker rests over all commands, beside the session; goes on from what is there");
   view_->addItems({"x, z", "y, z", "x, y"});
   view_->setToolTip("Axes of robot_base that are seen [mm]");
@@ -124,102 +120,22 @@ WorkspaceView::WorkspaceView(Shown shown, std::function<void(const ReachableTip&
   rescaler_->setAspectRatio(QwtPlot::yRight, 0.0);
   connect(picker, QOverload<const QPointF&>::of(&QwtPlotPicker::selected), this,
           [this](const QPointF& place) { choose_nearest(place); });
-  connect(find_, &QPushButton::clicked, this, [this] { toggle(); });
+  connect(find_, &QPushButton::clicked, this, [this] { search_.toggle(); });
   connect(view_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this] { show_tips(); });
   connect(colour_, QOverload<int>::of(&QComboBox::activated), this, [this] {
     wanted_colour_ = colour_->currentText();
     recolour();
   });
   connect(number_, QOverload<int>::of(&QSpinBox::valueChanged), this, [this](int number) { choose(number); });
-  connect(&process_, &QProcess::readyReadStandardError, this, [this] { read_progress(); });
-  connect(&process_, QOverload<int, QProcess::ExitStatus>::of(&QProcess::finished), this,
-          [this](int status) { finish(status); });
   take({});
-}
-
-// The search ends, and keeps what it has.
-WorkspaceView::~WorkspaceView() {
-  process_.disconnect();
-  process_.terminate();
-  if (process_.state() != QProcess::NotRunning && !process_.waitForFinished(2000)) process_.kill();
 }
 
 void WorkspaceView::follow(const QString& scene, const QString& marker, int actuators) {
-  find_->setEnabled(!scene.isEmpty() && !marker.isEmpty() && actuators > 0);
-  actuators_ = actuators;
-  if (scene == scene_ && marker == marker_) return;
-  scene_ = scene;
-  marker_ = marker;
-  outdated_ = process_.state() != QProcess::NotRunning;
-  process_.terminate();
+  const bool another = search_.follow(scene, marker, actuators);
+  find_->setEnabled(search_.possible());
+  if (!another) return;
   state_->setText("Where does the marker reach?");
   take({});
-}
-
-void WorkspaceView::toggle() {
-  if (process_.state() == QProcess::NotRunning) {
-    start();
-  } else {
-    process_.terminate();
-  }
-}
-
-// With less than all cores, and after the session where these are scarce.
-void WorkspaceView::start() {
-  const QByteArray key = QCryptographicHash::hash((scene_ + "\n" + marker_).toUtf8(), QCryptographicHash::Md5).toHex();
-  folder_ =
-      QStandardPaths::writableLocation(QStandardPaths::GenericCacheLocation) + "/soft_robot_lab/workspaces/" + key;
-  if (!QDir().mkpath(folder_)) return state_->setText("Cannot write " + folder_);
-  QStringList arguments = {"-n",   "10",       "rosrun", "soft_robot_lab", "workspace",
-                           scene_, "--output", folder_,  "--marker",       marker_};
-  arguments << "--threads" << QString::number(std::max(1, QThread::idealThreadCount() - 1));
-  if (actuators_ > 2)
-    arguments << "--samples" << QString::number(steps_ * steps_);
-  else
-    arguments << "--steps" << QString::number(steps_);
-  log_.clear();
-  find_->setText("Stop f&inding");
-  state_->setText("Begins ...");
-  started_ = QDateTime::currentDateTime();
-  process_.setStandardInputFile(QProcess::nullDevice());
-  process_.start("nice", arguments);
-}
-
-void WorkspaceView::read_progress() {
-  const QString text = QString::fromUtf8(process_.readAllStandardError()).trimmed();
-  if (text.isEmpty() || outdated_) return;
-  log_ = text.section('\n', -1);
-  load_what_came();
-  state_->setText(QString(log_).remove("workspace: "));
-}
-
-// What the program has written since it was started; what it found before that may be another robot's by now.
-void WorkspaceView::load_what_came() {
-  const QDateTime written = QFileInfo(folder_ + "/results.csv").lastModified();
-  if (!written.isValid() || written < started_ || written == loaded_) return;
-  loaded_ = written;
-  try {
-    load();
-  } catch (const std::exception&) {  // nothing of this marker yet: the end says so
-  }
-}
-
-void WorkspaceView::finish(int status) {
-  find_->setText("F&ind tips");
-  if (std::exchange(outdated_, false)) return;  // what it found is another robot's or marker's
-  if (status > 1 || process_.exitStatus() == QProcess::CrashExit)
-    return state_->setText(log_.isEmpty() ? "rosrun soft_robot_lab workspace failed" : log_);
-  try {
-    load();
-  } catch (const std::exception& error) {
-    state_->setText(error.what());
-  }
-}
-
-void WorkspaceView::load() {
-  QFile file(folder_ + "/results.csv");
-  if (!file.open(QIODevice::ReadOnly)) throw std::runtime_error("cannot read " + file.fileName().toStdString());
-  take(read_reachable_tips(file.readAll().toStdString(), marker_.toStdString()));
 }
 
 // The colours mean what was chosen, where they can.

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The panel's tab of reachable tips: starts the program `workspace` beside the window, shows what it found, and hands
-// on the tip that is clicked at, or chosen by its number.
+// The panel's tab of reachable tips: has them searched for, shows what was found, and hands on the tip that is clicked
+// at, or chosen by its number.
 #pragma once
 
 #include <functional>
-#include <optional>
+#include <vector>
 
 #include <QComboBox>
-#include <QDateTime>
 #include <QLabel>
-#include <QProcess>
 #include <QPushButton>
 #include <QSpinBox>
 #include <QWidget>
@@ -17,6 +15,7 @@
 #include <Eigen/Geometry>
 
 #include "reachable_tips.h"
+#include "workspace_search.h"
 
 class QwtPlot;
 class QwtPlotRescaler;
@@ -30,21 +29,14 @@ class WorkspaceView : public QWidget {
 
   // `shown` is called with all tips, also with none; `chosen` with one of them.
   WorkspaceView(Shown shown, std::function<void(const ReachableTip&)> chosen, QWidget* parent);
-  ~WorkspaceView() override;
 
   // What a search would be about. Of another robot or marker nothing is shown that was found before.
-  void set_steps(int steps) { steps_ = steps; }  // of each command of robots with two actuators
-  int steps() const { return steps_; }
+  void set_steps(int steps) { search_.set_steps(steps); }  // as of the search
+  int steps() const { return search_.steps(); }
 
   void follow(const QString& scene, const QString& marker, int actuators);
 
  private:
-  void toggle();
-  void start();
-  void read_progress();
-  void load_what_came();
-  void finish(int status);
-  void load();
   void take(ReachableTips tips);
   void recolour();
   void show_tips();
@@ -56,20 +48,16 @@ class WorkspaceView : public QWidget {
 
   Shown shown_;
   std::function<void(const ReachableTip&)> chosen_;
-  QString scene_, marker_, wanted_colour_;
-  int actuators_ = 0, steps_ = 21;
-  QString folder_, log_;        // of the search; its last line
-  QDateTime started_, loaded_;  // the search; when that was written which is shown
+  QString wanted_colour_;
   ReachableTips tips_;
   std::vector<TipQuantity> quantities_;
-  QProcess process_;
   QPushButton* find_;
   QComboBox *view_, *colour_;
   QSpinBox* number_;
   QLabel* state_;
-  bool outdated_ = false;  // what runs was asked for before another robot or marker came
   QwtPlot* plot_;
   QwtPlotRescaler* rescaler_ = nullptr;
+  WorkspaceSearch search_;
 };
 
 }  // namespace soft_robot_lab

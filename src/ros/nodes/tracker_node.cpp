@@ -41,7 +41,7 @@ a bag to write).)";
 
 using sensor_msgs::CameraInfo;
 using sensor_msgs::Image;
-using Status = NodeDiagnosis::Status;
+using TrackerStatus = NodeDiagnosis::Status;
 
 struct NodeOptions {
   TrackingInputOptions input;
@@ -92,10 +92,10 @@ class TrackerNode {
   void publish_image(const MarkerTracking::Result& result) const;
   void report_displaced_cameras();
   void broadcast(const std::vector<CameraPose>& poses);
-  void diagnose(Status& status);
-  void diagnose_camera(const std::string& camera, Status& status);
+  void diagnose(TrackerStatus& status);
+  void diagnose_camera(const std::string& camera, TrackerStatus& status);
   void warn_of(const std::string& camera, const std::string& message);
-  void diagnose_places(Status& status);
+  void diagnose_places(TrackerStatus& status);
 
   struct SinceDiagnosis {
     std::string problem;              // the last
@@ -140,11 +140,11 @@ TrackerNode::TrackerNode(const NodeOptions& options)
       topics::simulator_markers, 60, [this](const MarkerObservations::ConstPtr& message) {
         attempt(topics::simulator_markers, [&] { input_.add_simulated(*message); });
       }));
-  diagnosis_.add("tracker", [this](Status& status) { diagnose(status); });
-  diagnosis_.add("places of cameras", [this](Status& status) { diagnose_places(status); });
+  diagnosis_.add("tracker", [this](TrackerStatus& status) { diagnose(status); });
+  diagnosis_.add("places of cameras", [this](TrackerStatus& status) { diagnose_places(status); });
   for (const std::string& camera : options_.input.tracking.cameras) {
     subscribe(camera);
-    diagnosis_.add(camera, [this, camera](Status& status) { diagnose_camera(camera, status); });
+    diagnosis_.add(camera, [this, camera](TrackerStatus& status) { diagnose_camera(camera, status); });
   }
   diagnosis_.start();
 }
@@ -248,20 +248,21 @@ void TrackerNode::broadcast(const std::vector<CameraPose>& poses) {
   if (!messages.empty()) frames_.sendTransform(messages);
 }
 
-void TrackerNode::diagnose(Status& status) {
+void TrackerNode::diagnose(TrackerStatus& status) {
   const MarkerTracking* tracking = input_.tracking();
   if (!tracking) {
-    status.summary(Status::WARN, "waits for a scene");
+    status.summary(TrackerStatus::WARN, "waits for a scene");
   } else if (tracking->cameras().empty()) {
-    status.summary(Status::ERROR, "no camera can be used: of none both its pose and its lens are known");
+    status.summary(TrackerStatus::ERROR, "no camera can be used: of none both its pose and its lens are known");
   } else if (!since_.problem.empty()) {
-    status.summary(Status::WARN, since_.problem);
+    status.summary(TrackerStatus::WARN, since_.problem);
   } else if (since_.latencies_s.empty()) {
-    status.summary(Status::ERROR, "no images could be used in the last second");
+    status.summary(TrackerStatus::ERROR, "no images could be used in the last second");
   } else if (!lost_.empty()) {
-    status.summary(Status::WARN, std::to_string(lost_.size()) + " markers are lost, the first is " + lost_.front());
+    status.summary(TrackerStatus::WARN,
+                   std::to_string(lost_.size()) + " markers are lost, the first is " + lost_.front());
   } else {
-    status.summary(Status::OK, "all markers are followed");
+    status.summary(TrackerStatus::OK, "all markers are followed");
   }
   if (tracking) status.add("frames of cameras not known yet", tracking->unusable_frames());
   if (!since_.latencies_s.empty()) {
@@ -271,14 +272,14 @@ void TrackerNode::diagnose(Status& status) {
   since_ = {};
 }
 
-void TrackerNode::diagnose_camera(const std::string& camera, Status& status) {
+void TrackerNode::diagnose_camera(const std::string& camera, TrackerStatus& status) {
   CameraDiagnosis& diagnosis = cameras_.at(camera)->diagnosis;
   if (diagnosis.unpaired()) pair_up(camera);  // as where the clock was set back
   const auto finding = diagnosis.diagnose(NodeDiagnosis::period_s, input_.missing(camera));
   using Level = CameraDiagnosis::Level;
-  status.summary(finding.level == Level::ok        ? Status::OK
-                 : finding.level == Level::warning ? Status::WARN
-                                                   : Status::ERROR,
+  status.summary(finding.level == Level::ok        ? TrackerStatus::OK
+                 : finding.level == Level::warning ? TrackerStatus::WARN
+                                                   : TrackerStatus::ERROR,
                  finding.message);
   status.add("frames", diagnosis.all_frames());
   if (finding.level == Level::error) warn_of(camera, finding.message);
@@ -301,17 +302,18 @@ void TrackerNode::warn_of(const std::string& camera, const std::string& message)
 }
 
 // Whether a camera was displaced.
-void TrackerNode::diagnose_places(Status& status) {
+void TrackerNode::diagnose_places(TrackerStatus& status) {
   const MarkerTracking* tracking = input_.tracking();
   std::string unwatched;
   for (const std::string& camera : options_.input.tracking.cameras)
     if (!tracking || tracking->watch().watched().count(camera) == 0)
       unwatched += (unwatched.empty() ? "" : ", ") + camera;
-  status.summary(Status::OK, unwatched.empty()
-                                 ? "what all cameras see agrees"
-                                 : "not watched, for want of markers that another camera sees too: " + unwatched);
+  status.summary(TrackerStatus::OK,
+                 unwatched.empty() ? "what all cameras see agrees"
+                                   : "not watched, for want of markers that another camera sees too: " + unwatched);
   if (!tracking) return;
-  for (const CameraWarning& warning : tracking->watch().warnings()) status.mergeSummary(Status::WARN, warning.message);
+  for (const CameraWarning& warning : tracking->watch().warnings())
+    status.mergeSummary(TrackerStatus::WARN, warning.message);
 }
 
 void print(const ReplaySummary& summary, const std::string& output) {

@@ -106,10 +106,10 @@ std::optional<Lamps::Training> PanelLink::training() const { return state_.lamps
 
 // A slider sends its command all the same, and would move nothing.
 void PanelLink::report_where_nothing_moves() {
-  const std::optional<MotorState>& motors = state_.motors();
+  const std::optional<MotorState>& rig = state_.motors();
   std::string fault = state_.lamps().link_fault(machine_time_s());
-  if (motors && motors->emergency_stop) fault = "the motors hold until Clear";
-  if (motors && !fault.empty()) notes_.push_back({"Move", false, "the simulation alone moves: " + fault});
+  if (rig && rig->emergency_stop) fault = "the motors hold until Clear";
+  if (rig && !fault.empty()) notes_.push_back({"Move", false, "the simulation alone moves: " + fault});
 }
 
 // A policy that was just stopped may have sent one more command meanwhile. What Stop ends has not failed.

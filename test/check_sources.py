@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """check_sources.py ROOT [CHECK...]: holds our sources to the rules of src/README.md that no compiler checks.
 
-Lists every fault as FILE: what, and ends with 1. Checks: functions (by Universal Ctags), names, licences, headers, limits (all when none is named).
+Lists every fault as FILE: what, and ends with 1. Checks: functions and classes (by Universal Ctags), names, licences, headers, limits (all when none is named).
 """
 import json
 import os
@@ -15,6 +15,7 @@ FOLDERS = ('src', 'include', 'test')
 SKIPPED = {os.path.join('test', 'data')}
 MEDIAN_LINES, MOST_LINES_OF_90_PERCENT, MOST_LINES = 10, 22, 60  # of functions, from signature to closing brace
 MOST_PATHS = 20  # cyclomatic complexity (McCabe 1976): decisions, and one
+MOST_MEMBERS = 15  # data members of a class; structs, which only name what they hold, may have more
 MOST_HEADERS = 45  # for users and plugins; few are a promise that is kept
 
 # Names that had a better one in the field; the right ones stand in the glossary of src/README.md.
@@ -54,14 +55,19 @@ DECISION = re.compile(r'\b(?:if|for|while|case|catch)\b|&&|\|\||\?')
 NO_CODE = re.compile(r'''//[^\n]*|/\*.*?\*/|R"\((?:.|\n)*?\)"|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])[']''', re.S)
 
 
+def tags(root, folders, kinds):
+    """Of what C++ defines there, as Universal Ctags has it."""
+    sources = '\n'.join(files(root, folders, ('.h', '.cpp')))
+    lines = subprocess.run(
+        ['ctags-universal', '-L', '-', '--languages=C++', '--langmap=C++:.cpp.h', '--kinds-C++=' + kinds, '--fields=+nesZ',
+         '--fields-C++=+{properties}', '--output-format=json', '-f', '-'],
+        input=sources, capture_output=True, text=True, cwd=root, check=True).stdout
+    return [json.loads(line) for line in lines.splitlines()]
+
+
 def functions(root):
     """(file, name, first line, last line) of each function that is defined."""
-    sources = '\n'.join(files(root, FOLDERS, ('.h', '.cpp')))
-    tags = subprocess.run(
-        ['ctags-universal', '-L', '-', '--languages=C++', '--langmap=C++:.cpp.h', '--kinds-C++=f', '--fields=+ne', '--output-format=json', '-f', '-'],
-        input=sources, capture_output=True, text=True, cwd=root, check=True).stdout
-    found = [json.loads(line) for line in tags.splitlines()]
-    return [(tag['path'], tag['name'], tag['line'], tag['end']) for tag in found if 'end' in tag]
+    return [(tag['path'], tag['name'], tag['line'], tag['end']) for tag in tags(root, FOLDERS, 'f') if 'end' in tag]
 
 
 def too_many_paths(root, found):
@@ -87,6 +93,15 @@ def check_functions(root):
     if of_90_percent > MOST_LINES_OF_90_PERCENT:
         faults.append('functions: nine of ten have up to %d lines, at most %d' % (of_90_percent, MOST_LINES_OF_90_PERCENT))
     return faults
+
+
+def check_classes(root):
+    members = {}
+    for tag in tags(root, ('src', 'include'), 'cm'):
+        if tag['kind'] == 'member' and tag.get('scopeKind') == 'class' and 'static' not in tag.get('properties', ''):
+            members.setdefault((tag['path'], tag['scope'].split('::')[-1]), []).append(tag['name'])
+    return ['%s: %s has %d data members, at most %d' % (path, name, len(all_of_it), MOST_MEMBERS)
+            for (path, name), all_of_it in members.items() if len(all_of_it) > MOST_MEMBERS]
 
 
 def check_names(root):
@@ -196,7 +211,7 @@ def check_limits(root):
     return faults + own_limits(root) + doors_of_messages(root)
 
 
-CHECKS = {'functions': check_functions, 'names': check_names, 'licences': check_licences, 'headers': check_headers, 'limits': check_limits}
+CHECKS = {'functions': check_functions, 'classes': check_classes, 'names': check_names, 'licences': check_licences, 'headers': check_headers, 'limits': check_limits}
 
 
 def main():

@@ -120,11 +120,11 @@ class Body {
 
   const TetMesh& mesh() const { return mesh_; }
   // Of several the softest, which sets the scale of forces and times.
-  const Material& material() const { return material_; }
-  const Material& material_of(int element) const { return of_regions_[mesh_.region_of(element)]; }
+  const Material& material() const { return materials_.softest; }
+  const Material& material_of(int element) const { return materials_.of_regions[mesh_.region_of(element)]; }
   bool one_material() const;  // whether all elements are alike
-  const std::vector<Fibre>& fibres() const { return fibres_; }
-  const std::vector<FibreGroup>& fibre_groups() const { return fibre_groups_; }
+  const std::vector<Fibre>& fibres() const { return fibres_.all; }
+  const std::vector<FibreGroup>& fibre_groups() const { return fibres_.groups; }
   const Viscosity& viscosity() const { return viscosity_; }
   LinearVolume linear_volume() const { return linear_volume_; }
   const FixedAxes& fixed() const { return fixed_; }
@@ -139,9 +139,9 @@ class Body {
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   bool touches_itself() const { return !touching_bodies_.empty(); }
   const std::vector<TouchingBodies>& touching_bodies() const { return touching_bodies_; }
-  const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }  // with what hangs on the body
-  const Eigen::VectorXd& own_weights_kg() const { return own_weights_kg_; }  // gravity's shares of the silicone
-  const std::vector<AppliedLoad>& loads() const { return loads_; }           // in the order in which they were added
+  const Eigen::VectorXd& node_masses_kg() const { return masses_.nodes_kg; }        // with what hangs on the body
+  const Eigen::VectorXd& own_weights_kg() const { return masses_.own_weights_kg; }  // gravity's shares of the silicone
+  const std::vector<AppliedLoad>& loads() const { return loads_; }  // in the order in which they were added
   const Eigen::Vector3d& gravity_m_s2() const { return gravity_m_s2_; }
   Eigen::Matrix3Xd external_forces_n() const;  // gravity and dead loads, 3 x nodes
   const Eigen::Matrix3Xd& dead_loads_n() const { return dead_loads_n_; }
@@ -153,20 +153,30 @@ class Body {
   bool is_in(int node, const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
   Eigen::VectorXd edge_lengths_m(const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
 
+  struct Materials {
+    std::vector<Material> of_regions;
+    Material softest;
+  };
+  struct Fibres {
+    std::vector<Fibre> all;
+    std::vector<FibreGroup> groups;
+  };
+  struct Masses {
+    Eigen::VectorXd nodes_kg;  // lumped
+    // As shape functions share weight: of the silicone, and of what hangs on it. May be negative.
+    Eigen::VectorXd own_weights_kg, hung_weights_kg;
+  };
+
   TetMesh mesh_;
   double size_m_ = 0.0;
-  std::vector<Material> of_regions_;
-  Material material_;
-  std::vector<Fibre> fibres_;
-  std::vector<FibreGroup> fibre_groups_;
+  Materials materials_;
+  Fibres fibres_;
   Viscosity viscosity_;
   LinearVolume linear_volume_ = LinearVolume::element;
   std::vector<int> body_of_node_;
   FixedAxes fixed_;
   std::vector<Hold> holds_;
-  Eigen::VectorXd node_masses_kg_;
-  // As shape functions share weight: of the silicone, and of what hangs on it. May be negative.
-  Eigen::VectorXd own_weights_kg_, hung_weights_kg_;
+  Masses masses_;
   std::vector<AppliedLoad> loads_;
   Eigen::Matrix3Xd dead_loads_n_;
   std::vector<Obstacle> obstacles_;

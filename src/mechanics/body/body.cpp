@@ -45,27 +45,28 @@ Body::Body(const TetMesh& mesh, const Material& material)
     : Body(mesh, std::vector<Material>(mesh.regions.size(), material)) {}
 
 Body::Body(TetMesh mesh, std::vector<Material> of_regions)
-    : mesh_(std::move(mesh)), of_regions_(std::move(of_regions)) {
-  if (of_regions_.size() != mesh_.regions.size())
+    : mesh_(std::move(mesh)), materials_{std::move(of_regions), {}} {
+  if (materials_.of_regions.size() != mesh_.regions.size())
     throw std::invalid_argument("a mesh of " + std::to_string(mesh_.regions.size()) + " regions has " +
-                                std::to_string(of_regions_.size()) + " materials");
-  for (const Material& material : of_regions_) material.validate();
-  material_ = *std::min_element(of_regions_.begin(), of_regions_.end(), [](const Material& a, const Material& b) {
-    return a.youngs_modulus_pa < b.youngs_modulus_pa;
-  });
+                                std::to_string(materials_.of_regions.size()) + " materials");
+  for (const Material& material : materials_.of_regions) material.validate();
+  materials_.softest =
+      *std::min_element(materials_.of_regions.begin(), materials_.of_regions.end(),
+                        [](const Material& a, const Material& b) { return a.youngs_modulus_pa < b.youngs_modulus_pa; });
   check_mesh(mesh_);
   complete_boundary(mesh_);
   body_of_node_ = bodies_of_nodes(mesh_);
   size_m_ = (mesh_.nodes_m.rowwise().maxCoeff() - mesh_.nodes_m.rowwise().minCoeff()).norm();
   fixed_ = FixedAxes::Constant(3, mesh_.node_count(), false);
   dead_loads_n_ = Eigen::Matrix3Xd::Zero(3, mesh_.node_count());
-  node_masses_kg_ = own_weights_kg_ = hung_weights_kg_ = Eigen::VectorXd::Zero(mesh_.node_count());
+  masses_.nodes_kg = masses_.own_weights_kg = masses_.hung_weights_kg = Eigen::VectorXd::Zero(mesh_.node_count());
   for (int e = 0; e < mesh_.tet_count(); ++e) {
     const double mass_kg = material_of(e).density_kg_m3 * rest_volume_m3(mesh_, e);
     for (Eigen::Index a = 0; a < mesh_.tets.rows(); ++a) {
       const double fraction = !mesh_.quadratic() ? 0.25 : a < 4 ? 1.0 / 36.0 : 4.0 / 27.0;
-      node_masses_kg_[mesh_.tets(a, e)] += fraction * mass_kg;
-      own_weights_kg_[mesh_.tets(a, e)] += fraction * mass_kg;  // as inertia is lumped, or free fall would strain
+      masses_.nodes_kg[mesh_.tets(a, e)] += fraction * mass_kg;
+      masses_.own_weights_kg[mesh_.tets(a, e)] +=
+          fraction * mass_kg;  // as inertia is lumped, or free fall would strain
     }
   }
 }
@@ -203,8 +204,8 @@ void Body::hang(const EmbeddedPoint& at, double mass_kg) {
   double squares = 0.0;
   for (const double weight : at.weights) squares += weight * weight;
   for (std::size_t k = 0; k < at.nodes.size(); ++k) {
-    node_masses_kg_[at.nodes[k]] += mass_kg * at.weights[k] * at.weights[k] / squares;
-    hung_weights_kg_[at.nodes[k]] += mass_kg * at.weights[k];
+    masses_.nodes_kg[at.nodes[k]] += mass_kg * at.weights[k] * at.weights[k] / squares;
+    masses_.hung_weights_kg[at.nodes[k]] += mass_kg * at.weights[k];
   }
   loads_.push_back({0.0, Eigen::Vector3d::Zero(), mass_kg});
 }
@@ -218,13 +219,15 @@ void Body::set_linear_volume(LinearVolume volume) {
 }
 
 bool Body::one_material() const {
-  return std::all_of(of_regions_.begin(), of_regions_.end(), [&](const Material& other) { return other == material_; });
+  return std::all_of(materials_.of_regions.begin(), materials_.of_regions.end(),
+                     [&](const Material& other) { return other == materials_.softest; });
 }
 
 void Body::add_fibre(Fibre fibre) {
-  const std::vector<FibreGroup> groups = soft_robot_lab::fibre_groups(mesh_, fibre, static_cast<int>(fibres_.size()));
-  fibre_groups_.insert(fibre_groups_.end(), groups.begin(), groups.end());
-  fibres_.push_back(std::move(fibre));
+  const std::vector<FibreGroup> groups =
+      soft_robot_lab::fibre_groups(mesh_, fibre, static_cast<int>(fibres_.all.size()));
+  fibres_.groups.insert(fibres_.groups.end(), groups.begin(), groups.end());
+  fibres_.all.push_back(std::move(fibre));
 }
 
 void Body::set_viscosity(const Viscosity& viscosity) {
@@ -281,7 +284,7 @@ int Body::fixed_node_count() const {
 }
 
 Eigen::Matrix3Xd Body::external_forces_n() const {
-  return dead_loads_n_ + gravity_m_s2_ * (own_weights_kg_ + hung_weights_kg_).transpose();
+  return dead_loads_n_ + gravity_m_s2_ * (masses_.own_weights_kg + masses_.hung_weights_kg).transpose();
 }
 
 }  // namespace soft_robot_lab

@@ -152,18 +152,18 @@ ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
   if (spread == PointSpread::sparse) set_beyond(mesh);
   std::vector<int> first_place{0};
   for (const Rule& rule : rules) first_place.push_back(first_place.back() + static_cast<int>(rule.places.size()));
-  shape_.resize(faces_.rows(), first_place.back());
-  along_r_.resizeLike(shape_);
-  along_s_.resizeLike(shape_);
-  shares_.resize(first_place.back());
+  places_.shape.resize(faces_.rows(), first_place.back());
+  places_.along_r.resizeLike(places_.shape);
+  places_.along_s.resizeLike(places_.shape);
+  places_.shares.resize(first_place.back());
   Eigen::Index place = 0;
   for (const Rule& rule : rules) {
     for (std::size_t i = 0; i < rule.places.size(); ++i, ++place) {
       const FaceShape shape = face_shape(faces_.rows(), rule.places[i].x(), rule.places[i].y());
-      shape_.col(place) = shape.values;
-      along_r_.col(place) = shape.slopes.row(0).transpose();
-      along_s_.col(place) = shape.slopes.row(1).transpose();
-      shares_[place] = rule.weights[i];
+      places_.shape.col(place) = shape.values;
+      places_.along_r.col(place) = shape.slopes.row(0).transpose();
+      places_.along_s.col(place) = shape.slopes.row(1).transpose();
+      places_.shares[place] = rule.weights[i];
     }
   }
   for (int face = 0; face < face_count(); ++face) {
@@ -238,7 +238,7 @@ bool ContactPoints::looks_most(int point, const Eigen::Vector3d& way, double mar
 Eigen::Vector3d ContactPoints::at(int point, const Eigen::Matrix3Xd& columns) const {
   const int face = face_of(point), place = place_of(point);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  const double* const shape = &shape_(0, place);
+  const double* const shape = &places_.shape(0, place);
   const int* const nodes = &faces_(0, face);
   for (int a = 0; a < nodes_per_face(); ++a) sum += shape[a] * columns.col(nodes[a]);
   return sum;
@@ -248,10 +248,10 @@ Eigen::Vector3d ContactPoints::outward_m2(int point, const Eigen::Matrix3Xd& pos
   const int face = face_of(point), place = place_of(point);
   Eigen::Vector3d along_r = Eigen::Vector3d::Zero(), along_s = Eigen::Vector3d::Zero();
   for (int a = 0; a < nodes_per_face(); ++a) {
-    along_r += along_r_(a, place) * positions_m.col(faces_(a, face));
-    along_s += along_s_(a, place) * positions_m.col(faces_(a, face));
+    along_r += places_.along_r(a, place) * positions_m.col(faces_(a, face));
+    along_s += places_.along_s(a, place) * positions_m.col(faces_(a, face));
   }
-  return shares_[place] * along_r.cross(along_s);
+  return places_.shares[place] * along_r.cross(along_s);
 }
 
 double ContactPoints::present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const {

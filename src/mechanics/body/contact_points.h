@@ -37,7 +37,7 @@ class ContactPoints {
   const Eigen::MatrixXi& faces() const { return faces_; }             // nodes x faces
   const std::vector<int>& mesh_faces() const { return mesh_faces_; }  // which of the mesh's they are
   // Of the face's nodes at the point.
-  auto shape(int point) const { return shape_.col(place_of(point)); }
+  auto shape(int point) const { return places_.shape.col(place_of(point)); }
   // Share of the rest area; a guard has that of a point inside, beside them.
   double weight_m2(int point) const { return weights_m2_[point]; }
   bool guards(int point) const { return beside(point) >= 0; }
@@ -60,13 +60,17 @@ class ContactPoints {
   bool stands(int face) const;  // has points for what is flat
   int place_of(int point) const { return place_of_[static_cast<std::size_t>(point)]; }
 
+  // In a face, of all rules.
+  struct Places {
+    Eigen::MatrixXd shape;             // nodes x places
+    Eigen::MatrixXd along_r, along_s;  // its derivatives
+    Eigen::VectorXd shares;            // of twice the area
+  };
+
   Eigen::MatrixXi faces_;
   std::vector<int> mesh_faces_;
   std::vector<int> first_, face_of_, place_of_, beside_;
-  // Of places in a face, of all rules.
-  Eigen::MatrixXd shape_;              // nodes x places
-  Eigen::MatrixXd along_r_, along_s_;  // its derivatives
-  Eigen::VectorXd shares_;             // of twice the area
+  Places places_;
   Eigen::VectorXd weights_m2_, sizes_m_;
   std::vector<std::vector<int>> beyond_;  // per face the mesh's that meet it sharply; of the sparse spread
   std::vector<bool> round_;               // per face, likewise

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <utility>
 
-#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -17,188 +15,53 @@
 namespace soft_robot_lab {
 namespace {
 
+constexpr double kDeepest = SkinAtRest::kDeepest, kAgainst = SkinAtRest::kAgainst;
+
 constexpr double kLeastAbove = 0.25;  // of its square, what is left of a face's size as seen from a point
-constexpr double kDeepest = 0.5;      // of a face's size: deeper is the other side of a wall, as is deeper than a wall
-constexpr double kBehind = 4.0;       // of the largest face's size: walls are looked for so near
-constexpr double kInFront = 1e-9;   // of the same: a face that has no corner so far in front of another lies behind it
-constexpr double kMargin = 0.05;    // of the body's size: what near faces are looked for within
+constexpr double kMargin = 0.05;      // of the body's size: what near faces are looked for within
 constexpr double kSlack = 0.0007;   // of the same: which of them may overlap is looked for once nodes have moved so far
 constexpr double kPairMoves = 6.0;  // by so many times as much as nodes do two faces move against each other, at most
 constexpr double kWiderSlack = 0.01;  // of the body's size, the same where few pairs are looked at
-constexpr double kOneSide = 0.5;    // cosine: faces whose normals agree so at rest are one side of a wall; it may fold
-constexpr double kOneWay = 0.9;     // cosine: neither face meets the other, nor do the guards at its edges
-constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such normals against one another
-constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at least so much
-constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
+constexpr double kOneWay = 0.9;       // cosine: neither face meets the other, nor do the guards at its edges
+constexpr double kAlong = 0.6;        // cosine: faces bend less than to turn such normals against one another
+constexpr double kOverEdge = 0.01;    // of a face's size: a point so far beyond its edge still meets it
 constexpr double kBeyondEdge = 1e-9;  // of the same: a point no farther beyond it counts as above the face
 constexpr double kClearly = 2.0;      // times that: a point so far beyond it does not, however the face bends
-// Of a face's size: behind it by no more a point meets it, whatever nearer skin the point is in front of; and by no
-// more, whatever that is where it does not face the point.
-constexpr double kHeldOver = 1e-3, kDeepBehind = 1e-2;
-constexpr double kMuchNearer = 0.5;  // of the way to the face behind which it is: skin beside which it has come in
-constexpr double kSameWay = 1e-6;    // relative
-constexpr double kJustOn = 1e-6;     // of the same: so high above a face a point may just touch it
-constexpr double kBesideAtRest = 0.25, kDeeperAtRest = 1.25;  // of a face's size; of the depth that counts
-constexpr int kSamples = 6;  // along a side of a face: places of it that are looked at in the rest shape
-constexpr std::size_t kMostPairs = 4000000;  // of faces of which it is kept whether they count
-
-// The area vector of a face's corners.
-Eigen::Vector3d corner_normal(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
-  const Eigen::Vector3d a = positions_m.col(faces(0, face));
-  return (positions_m.col(faces(1, face)) - a).cross(positions_m.col(faces(2, face)) - a);
-}
-
-// Faces whose boxes overlap, by Bullet.
-std::vector<std::pair<int, int>> overlapping(const Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& positions_m,
-                                             double wider_m) {
-  struct Collect : btDbvt::ICollide {
-    std::vector<std::pair<int, int>> pairs;
-    void Process(const btDbvtNode* a, const btDbvtNode* b) override { pairs.emplace_back(a->dataAsInt, b->dataAsInt); }
-  } found;
-  btDbvt tree;
-  const auto corner = [](const Eigen::Vector3d& at_m) {
-    return btVector3(static_cast<btScalar>(at_m.x()), static_cast<btScalar>(at_m.y()), static_cast<btScalar>(at_m.z()));
-  };
-  for (int face = 0; face < faces.cols(); ++face) {
-    const FaceNodes nodes = nodes_of(faces, face, positions_m);
-    const Eigen::Vector3d low_m = nodes.rowwise().minCoeff().array() - wider_m;
-    const Eigen::Vector3d high_m = nodes.rowwise().maxCoeff().array() + wider_m;
-    tree.insert(btDbvtVolume::FromMM(corner(low_m), corner(high_m)), nullptr)->dataAsInt = face;
-  }
-  if (!tree.empty()) tree.collideTT(tree.m_root, tree.m_root, found);
-  return std::move(found.pairs);
-}
-
-// How far behind the middle of a face at rest another one is that looks the other way; infinite where the line from
-// there does not meet it.
-double wall_m(const Eigen::MatrixXi& faces, int face, int other, const Eigen::Matrix3Xd& rest_m) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  const Eigen::Vector3d out = corner_normal(faces, face, rest_m).normalized();
-  const Eigen::Vector3d area_m2 = corner_normal(faces, other, rest_m);
-  if (out.dot(area_m2) > -kAgainst * area_m2.norm()) return kInfinite;
-  const Eigen::Matrix3d corners_m = rest_m(Eigen::all, faces.col(other).head<3>());
-  const Eigen::Vector3d from_m = rest_m(Eigen::all, faces.col(face).head<3>()).rowwise().mean();
-  const double depth_m = (from_m - corners_m.col(0)).dot(area_m2) / out.dot(area_m2);
-  const Eigen::Vector3d at_m = from_m - depth_m * out;
-  for (int side = 0; side < 3; ++side) {
-    const Eigen::Vector3d edge_m = corners_m.col((side + 1) % 3) - corners_m.col(side);
-    if (edge_m.cross(at_m - corners_m.col(side)).dot(area_m2) < -1e-9 * area_m2.squaredNorm()) return kInfinite;
-  }
-  return depth_m > 0.0 ? depth_m : kInfinite;
-}
-
-// Of each face of the mesh.
-std::vector<int> bodies_of_faces(const Body& body) {
-  std::vector<int> all;
-  for (const int node : body.mesh().faces.row(0)) all.push_back(body.body_of_node(node));
-  return all;
-}
+constexpr double kHeldOver = SkinAtRest::kHeldOver;
+constexpr double kDeepBehind = 1e-2;  // of a face's size: the same where that skin does not face the point
+constexpr double kMuchNearer = 0.5;   // of the way to the face behind which it is: skin beside which it has come in
+constexpr double kSameWay = 1e-6;     // relative
+constexpr double kJustOn = 1e-6;      // of the same: so high above a face a point may just touch it
 
 }  // namespace
 
-TouchingPairs::TouchingPairs(const Body& body)
-    : of_bodies_(Eigen::MatrixXi::Constant(body.mesh().bodies.size(), body.mesh().bodies.size(), -1)) {
-  int index = 0;
-  for (const TouchingBodies& pair : body.touching_bodies())
-    of_bodies_(pair.first, pair.second) = of_bodies_(pair.second, pair.first) = index++;
-}
-
 SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
-    : faces_(body.mesh().faces),
-      same_(points.mesh_faces()),
-      body_(bodies_of_faces(body)),
-      touching_(body),
+    : rest_(body, points),
       margin_m_(kMargin * body.size_m()),
-      slack_m_(kSlack * body.size_m()) {
-  const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
-  rest_m_ = nodes_m;
-  const auto count = static_cast<int>(faces_.cols());
-  std::set<int> nodes(faces_.reshaped().begin(), faces_.reshaped().end());
-  nodes_.assign(nodes.begin(), nodes.end());
-  rest_middles_m_.resize(3, count);
-  rest_normals_.resize(3, count);
-  sizes_m_.resize(count);
-  for (int face = 0; face < count; ++face) {
-    const Eigen::Vector3d area_m2 = corner_normal(faces_, face, nodes_m);
-    rest_middles_m_.col(face) = nodes_of(faces_, face, nodes_m).rowwise().mean();
-    rest_normals_.col(face) = area_m2.normalized();
-    sizes_m_[face] = std::sqrt(area_m2.norm());
-  }
-  reach_.resize(same_.size());
-  close_.resize(same_.size());
-  overlaps_.resize(same_.size());
-  const std::size_t pairs = same_.size() * static_cast<std::size_t>(count);
-  if (pairs <= kMostPairs) counts_.assign(pairs, -1);
-  largest_size_m_ = sizes_m_.maxCoeff();
-  deepest_m_ = kDeepest * sizes_m_;
-  for (const auto& [a, b] : overlapping(faces_, rest_m_, 0.5 * kDeepest * largest_size_m_)) {
-    if (body_[static_cast<std::size_t>(a)] != body_[static_cast<std::size_t>(b)]) continue;
-    deepest_m_[a] = std::min(deepest_m_[a], wall_m(faces_, a, b, rest_m_));
-    deepest_m_[b] = std::min(deepest_m_[b], wall_m(faces_, b, a, rest_m_));
-  }
-  present_ = PresentFaces(faces_, deepest_m_, kOverEdge * sizes_m_);
-}
-
-bool SkinPairs::counts(int face, int other) const {
-  const int same = same_[static_cast<std::size_t>(face)];
-  if (pair_of(face, other) < 0) return false;
-  if (body_[static_cast<std::size_t>(same)] != body_[static_cast<std::size_t>(other)]) return true;
-  const auto mine = faces_.col(same), theirs = faces_.col(other);
-  for (Eigen::Index a = 0; a < 3; ++a)  // what shares a node shares a corner
-    for (Eigen::Index b = 0; b < 3; ++b)
-      if (mine[a] == theirs[b]) return false;
-  if (rest_normals_.col(same).dot(rest_normals_.col(other)) > kOneSide) return true;
-  const Eigen::Vector3d between_m = rest_middles_m_.col(same) - rest_middles_m_.col(other);
-  if (between_m.norm() > kBehind * largest_size_m_) return true;
-  double foremost_m = -largest_size_m_;
-  for (int corner = 0; corner < 3; ++corner)
-    foremost_m =
-        std::max(foremost_m, (rest_m_.col(mine[corner]) - rest_middles_m_.col(other)).dot(rest_normals_.col(other)));
-  return foremost_m > kInFront * largest_size_m_ && !overlap_at_rest(same, other) && !overlap_at_rest(other, same);
-}
-
-// Of a curved wall that its faces follow roughly a face may lie partly behind one that is not opposite, no deeper than
-// counts. By the planes of corners; what lies a little beside the other counts too, as a small deformation brings it
-// there.
-bool SkinPairs::overlap_at_rest(int mine, int other) const {
-  const Eigen::Vector3d& normal = rest_normals_.col(other);
-  if (rest_normals_.col(mine).dot(normal) > -kAgainst) return false;
-  const Eigen::Matrix3d corners_m = rest_m_(Eigen::all, faces_.col(mine).head<3>()),
-                        theirs_m = rest_m_(Eigen::all, faces_.col(other).head<3>());
-  Eigen::Matrix3d beyond;  // of each side, unit vectors
-  for (int side = 0; side < 3; ++side)
-    beyond.col(side) = (theirs_m.col((side + 1) % 3) - theirs_m.col(side)).cross(normal).normalized();
-  for (int i = 0; i <= kSamples; ++i)
-    for (int j = 0; i + j <= kSamples; ++j) {
-      const Eigen::Vector3d at_m = corners_m * Eigen::Vector3d(i, j, kSamples - i - j) / kSamples;
-      const double depth_m = (theirs_m.col(0) - at_m).dot(normal);
-      if (depth_m < kHeldOver * sizes_m_[other] || depth_m > kDeeperAtRest * deepest_m_[other]) continue;
-      double beside_m = 0.0;
-      for (int side = 0; side < 3; ++side)
-        beside_m = std::max(beside_m, (at_m - theirs_m.col(side)).dot(beyond.col(side)));
-      if (beside_m < kBesideAtRest * sizes_m_[other]) return true;
-    }
-  return false;
-}
+      slack_m_(kSlack * body.size_m()),
+      overlaps_(rest_.same().size()),
+      close_(rest_.same().size()),
+      present_(rest_.faces(), rest_.deepest_m(), kOverEdge * rest_.sizes_m()),
+      reach_(rest_.same().size()) {}
 
 void SkinPairs::restrict_to(const std::vector<FacePair>& pairs) {
   restricted_ = true;
   slack_m_ *= kWiderSlack / kSlack;
-  counts_.clear();
-  near_.assign(same_.size(), {});
+  rest_.keep_nothing();
+  near_.assign(rest_.same().size(), {});
   for (const auto& [face, other] : pairs)
-    if (counts(face, other)) near_[static_cast<std::size_t>(face)].push_back(other);
+    if (rest_.counts(face, other)) near_[static_cast<std::size_t>(face)].push_back(other);
   list_faces_in_pairs();
 }
 
 void SkinPairs::list_faces_in_pairs() {
-  std::vector<char> listed(static_cast<std::size_t>(faces_.cols()), 0);
+  std::vector<char> listed(static_cast<std::size_t>(rest_.faces().cols()), 0);
   in_pairs_.clear();
   const auto list = [&](int face) {
     if (!std::exchange(listed[static_cast<std::size_t>(face)], 1)) in_pairs_.push_back(face);
   };
   for (std::size_t face = 0; face < near_.size(); ++face) {
-    if (!near_[face].empty()) list(same_[face]);
+    if (!near_[face].empty()) list(rest_.same()[face]);
     for (const int other : near_[face]) list(other);
   }
 }
@@ -225,14 +88,14 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
 double SkinPairs::moved_m(const Eigen::Matrix3Xd& from_m) const {
   if (from_m.cols() != present_.positions_m().cols()) return std::numeric_limits<double>::infinity();
   Eigen::Array3d least_m = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()), most_m = -least_m;
-  for (const int node : nodes_) {
+  for (const int node : rest_.nodes()) {
     const Eigen::Array3d way_m = present_.positions_m().col(node) - from_m.col(node);
     least_m = least_m.min(way_m);
     most_m = most_m.max(way_m);
   }
   const Eigen::Vector3d middle_m = 0.5 * (least_m + most_m);
   double largest_m2 = 0.0;
-  for (const int node : nodes_)
+  for (const int node : rest_.nodes())
     largest_m2 = std::max(largest_m2, (present_.positions_m().col(node) - from_m.col(node) - middle_m).squaredNorm());
   return std::sqrt(largest_m2);
 }
@@ -241,22 +104,22 @@ double SkinPairs::moved_m(const Eigen::Matrix3Xd& from_m) const {
 void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
   using Box = Eigen::Matrix<double, 6, 1>;  // its lower corner, and the other one with its sign turned
   close_at_m_ = positions_m;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> soon_m(6, faces_.cols());  // boxes
+  Eigen::Matrix<double, 6, Eigen::Dynamic> soon_m(6, rest_.faces().cols());  // boxes
   for (const int face : in_pairs_) {
     const PresentFace& at = present_[face];
     soon_m.col(face) << at.deep_low_m, -at.deep_high_m;
-    soon_m.col(face).array() -= slack_m_ * (kPairMoves + present_.turns_per_m(face) * deepest_m_[face]);
+    soon_m.col(face).array() -= slack_m_ * (kPairMoves + present_.turns_per_m(face) * rest_.deepest_m(face));
   }
   for (const int face : any_close_) overlaps_[static_cast<std::size_t>(face)].clear();
   any_close_.clear();
   for (std::size_t face = 0; face < near_.size(); ++face) {
     close_[face].clear();
     if (near_[face].empty()) continue;
-    const PresentFace& at = present_[same_[face]];
+    const PresentFace& at = present_[rest_.same()[face]];
     const Box far_m = (Box() << at.high_m, -at.low_m).finished();
     for (const int other : near_[face]) {
       if ((soon_m.col(other) - far_m).maxCoeff() > 0.0) continue;
-      const double clear_m = this->clear_m(same_[face], other);
+      const double clear_m = this->clear_m(rest_.same()[face], other);
       if (clear_m < slack_m_) close_[face].push_back({other, clear_m});
     }
     if (!close_[face].empty()) any_close_.push_back(static_cast<int>(face));
@@ -264,20 +127,20 @@ void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
 }
 
 bool SkinPairs::may_overlap(int face, int other) const {
-  const int same = same_[static_cast<std::size_t>(face)];
+  const int same = rest_.same(face);
   const PresentFace &mine = present_[same], &theirs = present_[other];
   if (apart_m(mine, theirs) > 0.0 || mine.normal.dot(theirs.normal) >= kOneWay) return false;
   const double above_m = lowest_above_m(mine, theirs);
-  return above_m < kOverEdge * sizes_m_[other] && !lies_beside(same, other, -above_m);
+  return above_m < kOverEdge * rest_.size_m(other) && !lies_beside(same, other, -above_m);
 }
 
 // Where nodes move, points that a face lies between move by three times as much, and its normal turns.
 double SkinPairs::clear_m(int same, int other) const {
   const PresentFace &mine = present_[same], &theirs = present_[other];
   const double turns_per_m = present_.turns_per_m(other);
-  const double by_boxes_m = apart_m(mine, theirs) / (kPairMoves + turns_per_m * deepest_m_[other]);
+  const double by_boxes_m = apart_m(mine, theirs) / (kPairMoves + turns_per_m * rest_.deepest_m(other));
   const double by_normals_m = (mine.normal.dot(theirs.normal) - kOneWay) / (turns_per_m + present_.turns_per_m(same));
-  const double above_m = lowest_above_m(mine, theirs) - kOverEdge * sizes_m_[other];
+  const double above_m = lowest_above_m(mine, theirs) - kOverEdge * rest_.size_m(other);
   const double reach_m = (mine.high_m - theirs.low_m).cwiseMax(theirs.high_m - mine.low_m).norm();
   const double by_heights_m = above_m / (kPairMoves + turns_per_m * (reach_m + kPairMoves * slack_m_));
   return std::max({by_boxes_m, by_normals_m, by_heights_m});
@@ -289,19 +152,19 @@ bool SkinPairs::lies_beside(int mine, int other, double deepest_m) const {
   const auto& around_m = present_[mine].around_m;
   Eigen::Vector3d least_m = theirs.sideways * around_m.col(0);
   for (Eigen::Index a = 1; a < around_m.cols(); ++a) least_m = least_m.cwiseMin(theirs.sideways * around_m.col(a));
-  return beyond_sides(other, (least_m - theirs.farthest_m).maxCoeff(), deepest_m, deepest_m_[other]);
+  return beyond_sides(other, (least_m - theirs.farthest_m).maxCoeff(), deepest_m, rest_.deepest_m(other));
 }
 
 // What is met lies along a normal of the face, which leads beside it no farther than it tilts.
 bool SkinPairs::beyond_sides(int face, double beside_m, double along_m, double reach_m) const {
-  const double over_m = kOverEdge * sizes_m_[face];
+  const double over_m = kOverEdge * rest_.size_m(face);
   return beside_m > over_m && beside_m > over_m + std::min(reach_m, along_m + over_m) * present_.tilt(face);
 }
 
 bool SkinPairs::out_of_reach(int face, int other) const {
-  const PresentFace &mine = present_[same_[static_cast<std::size_t>(face)]], &theirs = present_[other];
-  return (theirs.low_m - mine.high_m).maxCoeff() > deepest_m_[other] ||
-         (mine.low_m - theirs.high_m).maxCoeff() > deepest_m_[other];
+  const PresentFace &mine = present_[rest_.same(face)], &theirs = present_[other];
+  return (theirs.low_m - mine.high_m).maxCoeff() > rest_.deepest_m(other) ||
+         (mine.low_m - theirs.high_m).maxCoeff() > rest_.deepest_m(other);
 }
 
 const std::vector<int>& SkinPairs::in_reach_of(int face) const {
@@ -316,7 +179,7 @@ const std::vector<int>& SkinPairs::in_reach_of(int face) const {
 
 bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
   const PresentFace& theirs = present_[other];
-  const double height_m = theirs.normal.dot(point_m), deepest_m = deepest_m_[other];
+  const double height_m = theirs.normal.dot(point_m), deepest_m = rest_.deepest_m(other);
   if (height_m <= theirs.lowest_m - deepest_m || height_m >= theirs.top_m + deepest_m) return false;
   // No normal of the face is farther from that of its corners than it tilts.
   const double along = theirs.normal.dot(outward), length = outward.norm();
@@ -329,7 +192,7 @@ bool SkinPairs::is_behind(int other, const Eigen::Vector3d& point_m) const {
   const PresentFace& theirs = present_[other];
   if ((theirs.deep_low_m.array() > point_m.array()).any() || (theirs.deep_high_m.array() < point_m.array()).any())
     return false;
-  const double above = (theirs.normal.dot(point_m) - theirs.top_m) / sizes_m_[other];
+  const double above = (theirs.normal.dot(point_m) - theirs.top_m) / rest_.size_m(other);
   return above < kJustOn || (above < kJustOn + kOverEdge && above < kJustOn + kOverEdge * present_.tilt(other));
 }
 
@@ -343,7 +206,7 @@ bool SkinPairs::is_inside_any(int face, const Eigen::Vector3d& point_m, const Ei
   const std::vector<int>& all = overlaps_[static_cast<std::size_t>(face)];
   return std::any_of(all.begin(), all.end(), [&](int other) {
     if (!is_behind(other, point_m) || !may_meet(other, point_m, outward) ||
-        !meets_within(candidate(other, point_m), deepest_m_[other]))
+        !meets_within(candidate(other, point_m), rest_.deepest_m(other)))
       return false;
     const std::optional<Meeting> met = meeting(other, point_m, outward, positions_m);
     return met && is_inside(*met);
@@ -352,23 +215,18 @@ bool SkinPairs::is_inside_any(int face, const Eigen::Vector3d& point_m, const Ei
 
 void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
   near_at_m_ = positions_m;
-  near_.assign(same_.size(), {});
-  std::vector<int> mine(static_cast<std::size_t>(faces_.cols()), -1);
-  for (std::size_t face = 0; face < same_.size(); ++face)
-    mine[static_cast<std::size_t>(same_[face])] = static_cast<int>(face);
+  near_.assign(rest_.same().size(), {});
+  std::vector<int> mine(static_cast<std::size_t>(rest_.faces().cols()), -1);
+  for (std::size_t face = 0; face < rest_.same().size(); ++face)
+    mine[static_cast<std::size_t>(rest_.same()[face])] = static_cast<int>(face);
   const auto add = [&](int face, int other) {
     const int own = mine[static_cast<std::size_t>(face)];
     if (own < 0) return;
-    signed char unknown = -1;
-    signed char& known = counts_.empty()
-                             ? unknown
-                             : counts_[static_cast<std::size_t>(own) * static_cast<std::size_t>(faces_.cols()) +
-                                       static_cast<std::size_t>(other)];
-    if (known < 0) known = counts(own, other) ? 1 : 0;
-    if (known == 1) near_[static_cast<std::size_t>(own)].push_back(other);
+    if (rest_.counts_kept(own, other)) near_[static_cast<std::size_t>(own)].push_back(other);
   };
-  const double wider_m = 0.5 * (margin_m_ + kDeepest * largest_size_m_) + 1e-6 * positions_m.cwiseAbs().maxCoeff();
-  for (const auto& [a, b] : overlapping(faces_, positions_m, wider_m)) {
+  const double wider_m =
+      0.5 * (margin_m_ + kDeepest * rest_.largest_size_m()) + 1e-6 * positions_m.cwiseAbs().maxCoeff();
+  for (const auto& [a, b] : overlapping_faces(rest_.faces(), positions_m, wider_m)) {
     if (a == b) continue;
     add(a, b);
     add(b, a);
@@ -384,18 +242,19 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
 std::optional<SkinPairs::Meeting> SkinPairs::meeting(int other, const Eigen::Vector3d& point_m,
                                                      const Eigen::Vector3d& outward,
                                                      const Eigen::Matrix3Xd& positions_m) const {
-  const FacePolynomial face(nodes_of(faces_, other, positions_m));
-  const std::optional<Eigen::Vector2d> local = closest_above(face, point_m, kClearly * kOverEdge * sizes_m_[other]);
+  const FacePolynomial face(nodes_of(rest_.faces(), other, positions_m));
+  const std::optional<Eigen::Vector2d> local = closest_above(face, point_m, kClearly * kOverEdge * rest_.size_m(other));
   if (!local) return std::nullopt;
   const SeenPlace place(face, *local, point_m);
   if (!place.normal.allFinite() || place.normal.dot(outward) >= -kAgainst * outward.norm()) return std::nullopt;
   const double beyond_edge_m = (place.off_m - place.gap_m * place.normal).norm();
-  if (std::abs(place.gap_m) > deepest_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other]) return std::nullopt;
+  if (std::abs(place.gap_m) > rest_.deepest_m(other) || beyond_edge_m > kOverEdge * rest_.size_m(other))
+    return std::nullopt;
   return Meeting{other, place, place.off_m.norm()};
 }
 
 SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_m) const {
-  const FaceNodes nodes = nodes_of(faces_, met.face, positions_m);
+  const FaceNodes nodes = nodes_of(rest_.faces(), met.face, positions_m);
   const Eigen::Vector2d& local = met.place.local;
   const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
   const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
@@ -421,10 +280,10 @@ SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_
 
 std::shared_ptr<const PlaceAtEdge> SkinPairs::at_edge(const SkinPlace& met, const Eigen::Vector3d& point_m,
                                                       const Eigen::Matrix3Xd& positions_m) const {
-  const FaceNodes nodes = nodes_of(faces_, met.face, positions_m);
+  const FaceNodes nodes = nodes_of(rest_.faces(), met.face, positions_m);
   const SeenPlace place(FacePolynomial(nodes), {met.r, met.s}, point_m);
   const double beyond_m = (place.off_m - place.gap_m * place.normal).norm();
-  if (!(beyond_m > kBeyondEdge * sizes_m_[met.face])) return nullptr;
+  if (!(beyond_m > kBeyondEdge * rest_.size_m(met.face))) return nullptr;
   return std::make_shared<const PlaceAtEdge>(nodes, place);
 }
 
@@ -451,7 +310,7 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
   for (const int other : in_reach_of(face)) {
     if (!may_meet(other, point_m, outward)) continue;
     const Candidate found = candidate(other, point_m);
-    if (meets_within(found, deepest_m_[other])) candidates_.push_back(found);
+    if (meets_within(found, rest_.deepest_m(other))) candidates_.push_back(found);
   }
   const auto nearest = std::min_element(candidates_.begin(), candidates_.end(),
                                         [](const Candidate& a, const Candidate& b) { return a.least_m < b.least_m; });
@@ -468,12 +327,12 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
   return gap_at(*best, positions_m);
 }
 
-bool SkinPairs::is_inside(const Meeting& met) const { return met.place.gap_m <= kJustOn * sizes_m_[met.face]; }
+bool SkinPairs::is_inside(const Meeting& met) const { return met.place.gap_m <= kJustOn * rest_.size_m(met.face); }
 
 // How deep it is behind a face says something only where it has come through that.
 bool SkinPairs::is_occluded(int face, const Meeting& behind, const Eigen::Vector3d& point_m,
                             const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const {
-  if (behind.place.gap_m >= -kHeldOver * sizes_m_[behind.face]) return false;
+  if (behind.place.gap_m >= -kHeldOver * rest_.size_m(behind.face)) return false;
   const std::vector<int>& others = in_reach_of(face);
   return std::any_of(others.begin(), others.end(), [&](int other) {
     return other != behind.face && body_of(other) == body_of(behind.face) &&
@@ -485,7 +344,7 @@ bool SkinPairs::is_occluded(int face, const Meeting& behind, const Eigen::Vector
 bool SkinPairs::is_outside(int other, const Meeting& behind, const Eigen::Vector3d& point_m,
                            const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const {
   if (candidate(other, point_m).least_m > behind.way_m) return false;
-  const FacePolynomial skin(nodes_of(faces_, other, positions_m));
+  const FacePolynomial skin(nodes_of(rest_.faces(), other, positions_m));
   const SeenPlace place(skin, closest(skin, point_m), point_m);
   const double way_m = place.off_m.norm();
   if (way_m > (1.0 + kSameWay) * behind.way_m) return false;
@@ -494,14 +353,15 @@ bool SkinPairs::is_outside(int other, const Meeting& behind, const Eigen::Vector
   const bool in_front = place.gap_m > (on_shared_edge ? -behind.place.gap_m : 0.0);
   if (in_front && along < -kAgainst) return true;
   const bool beside = along >= -kAgainst && along < kAlong && way_m < kMuchNearer * behind.way_m;
-  return behind.place.gap_m < -kDeepBehind * sizes_m_[behind.face] && (in_front || beside);
+  return behind.place.gap_m < -kDeepBehind * rest_.size_m(behind.face) && (in_front || beside);
 }
 
 std::optional<SkinGap> SkinPairs::meet_again(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                              const Eigen::Matrix3Xd& positions_m) const {
-  const FacePolynomial face(nodes_of(faces_, other, positions_m));
+  const FacePolynomial face(nodes_of(rest_.faces(), other, positions_m));
   const std::optional<SeenPlace> place = closest_beyond(face, point_m, closest(face, point_m));
-  if (!place || place->normal.dot(outward) >= 0.0 || std::abs(place->gap_m) > deepest_m_[other]) return std::nullopt;
+  if (!place || place->normal.dot(outward) >= 0.0 || std::abs(place->gap_m) > rest_.deepest_m(other))
+    return std::nullopt;
   return gap_at({other, *place, place->off_m.norm()}, positions_m);
 }
 
@@ -510,7 +370,7 @@ std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& poi
   std::optional<SkinAnchor> best;
   double best_m = 0.0;
   for (const int other : near_[static_cast<std::size_t>(face)]) {
-    const double reach_m = best ? best_m : sizes_m_[other];
+    const double reach_m = best ? best_m : rest_.size_m(other);
     const PresentFace& theirs = present_[other];
     if ((point_m - theirs.low_m).minCoeff() < -reach_m || (theirs.high_m - point_m).minCoeff() < -reach_m) continue;
     if (theirs.normal.dot(outward) > -kAgainst * outward.norm()) continue;
@@ -524,7 +384,7 @@ std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& poi
 
 std::pair<SkinAnchor, double> SkinPairs::anchor_on(int other, const Eigen::Vector3d& point_m,
                                                    const Eigen::Matrix3Xd& positions_m) const {
-  const FaceNodes nodes = nodes_of(faces_, other, positions_m);
+  const FaceNodes nodes = nodes_of(rest_.faces(), other, positions_m);
   const Eigen::Vector2d local = closest(FacePolynomial(nodes), point_m);
   const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
   const Eigen::Vector3d off_m = point_m - nodes * shape.values;
@@ -535,11 +395,11 @@ std::pair<SkinAnchor, double> SkinPairs::anchor_on(int other, const Eigen::Vecto
 }
 
 Eigen::Vector3d SkinPairs::at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const {
-  return nodes_of(faces_, face, positions_m) * face_shape(faces_.rows(), r, s).values;
+  return nodes_of(rest_.faces(), face, positions_m) * face_shape(rest_.faces().rows(), r, s).values;
 }
 
 std::vector<int> SkinPairs::nodes(const FacePair& pair) const {
-  const auto own = faces_.col(same_[static_cast<std::size_t>(pair.first)]), other = faces_.col(pair.second);
+  const auto own = rest_.faces().col(rest_.same(pair.first)), other = rest_.faces().col(pair.second);
   std::vector<int> both(own.begin(), own.end());
   both.insert(both.end(), other.begin(), other.end());
   return both;

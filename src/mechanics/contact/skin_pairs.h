@@ -17,6 +17,7 @@
 #include "closest_place.h"
 #include "mechanics/body/contact_points.h"
 #include "present_faces.h"
+#include "skin_at_rest.h"
 #include "soft_robot_lab/mechanics/body.h"
 
 namespace soft_robot_lab {
@@ -50,17 +51,6 @@ struct SkinAnchor {
 // A point's face, in the order of ContactPoints, and the mesh's face that it may meet.
 using FacePair = std::pair<int, int>;
 
-// Which pair of Body::touching_bodies two bodies are.
-class TouchingPairs {
- public:
-  TouchingPairs() = default;  // none
-  explicit TouchingPairs(const Body& body);
-  int operator()(int body, int other) const { return of_bodies_(body, other); }  // -1: they do not touch
-
- private:
-  Eigen::MatrixXi of_bodies_;
-};
-
 class SkinPairs {
  public:
   SkinPairs() = default;  // none
@@ -74,10 +64,8 @@ class SkinPairs {
   void prepare(const Eigen::Matrix3Xd& positions_m);
 
   // The body of a mesh's face; and of a point's face and a mesh's the pair of bodies, -1: these do not touch.
-  int body_of(int face) const { return body_[static_cast<std::size_t>(face)]; }
-  int pair_of(int face, int other) const {
-    return touching_(body_of(same_[static_cast<std::size_t>(face)]), body_of(other));
-  }
+  int body_of(int face) const { return rest_.body_of(face); }
+  int pair_of(int face, int other) const { return rest_.pair_of(face, other); }
 
   bool any_near(int face) const { return !near_[static_cast<std::size_t>(face)].empty(); }
   // Whether anything of this face may be inside the body, by boxes; and whether this point of it may be, by those.
@@ -105,19 +93,17 @@ class SkinPairs {
                                           const Eigen::Matrix3Xd& positions_m) const;
 
   // How deep behind it skin still counts as inside: half its size, or all of the wall behind it.
-  double deepest_m(int face) const { return deepest_m_[face]; }
+  double deepest_m(int face) const { return rest_.deepest_m(face); }
   // Of the face's corners, at the positions of prepare().
   const Eigen::Vector3d& normal(int face) const { return present_[face].normal; }
-  double smallest_size_m() const { return sizes_m_.minCoeff(); }
+  double smallest_size_m() const { return rest_.sizes_m().minCoeff(); }
   // Where a place of a face is.
   Eigen::Vector3d at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const;
 
-  int node(int face, int corner) const { return faces_(corner, face); }  // of the mesh's face
-  std::vector<int> nodes(const FacePair& pair) const;                    // of both faces
+  int node(int face, int corner) const { return rest_.faces()(corner, face); }  // of the mesh's face
+  std::vector<int> nodes(const FacePair& pair) const;                           // of both faces
 
  private:
-  bool counts(int face, int other) const;
-  bool overlap_at_rest(int mine, int other) const;  // both of the mesh: any of mine is behind the other
   // Whether a point of this face of the points may be inside the body behind another face: their boxes meet, they do
   // not look the same way, and any of it lies lower than the top of the other.
   bool may_overlap(int face, int other) const;
@@ -164,16 +150,8 @@ class SkinPairs {
   void list_faces_in_pairs();
   void find_close(const Eigen::Matrix3Xd& positions_m);
 
-  Eigen::MatrixXi faces_;    // nodes x faces, of the whole mesh
-  std::vector<int> nodes_;   // of these
-  Eigen::Matrix3Xd rest_m_;  // nodes
-  Eigen::Matrix3Xd rest_middles_m_, rest_normals_;
-  Eigen::VectorXd sizes_m_, deepest_m_;
-  std::vector<int> same_;            // of each face of the points, the mesh's
-  std::vector<int> body_;            // of each of the mesh's
-  std::vector<signed char> counts_;  // of both, where it is known; empty where that would be too many
-  TouchingPairs touching_;
-  double largest_size_m_ = 0.0, margin_m_ = 0.0, slack_m_ = 0.0;
+  SkinAtRest rest_;
+  double margin_m_ = 0.0, slack_m_ = 0.0;
   bool restricted_ = false;
 
   struct Close {

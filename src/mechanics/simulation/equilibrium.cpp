@@ -79,13 +79,18 @@ class Walk {
   bool go_on_under_loads(double share);  // that come slowly
   void advance_to(double share, Eigen::Matrix3Xd&& from_m);
 
+  // How far the shape went in the two stages before, as for all of the way [m].
+  struct StagesBefore {
+    double last_m = 0.0, last_but_one_m = 0.0;
+  };
+
   SimulationParts& parts_;
   const EquilibriumOptions& options_;
   SolveReport& report_;
   RestPath path_;
   double done_ = 0.0;
-  double longest_ = 1.0;                                 // stage
-  double way_before_m_ = 0.0, way_before_that_m_ = 0.0;  // of the two stages before, as for all of the way
+  double longest_ = 1.0;  // stage
+  StagesBefore ways_;
   double follows_ = kFollows, lever_before_ = 0.0;
   int iterations_before_;  // the stage that goes on
   int stages_ = 0;         // so far, with those that were begun anew
@@ -97,7 +102,7 @@ class Walk {
 
 void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   const double way_m = way_from_m(from_m);
-  way_before_that_m_ = std::exchange(way_before_m_, share > done_ ? way_m / (share - done_) : 0.0);
+  ways_.last_but_one_m = std::exchange(ways_.last_m, share > done_ ? way_m / (share - done_) : 0.0);
   done_ = share;
   ++stages_;
   before_m_ = std::move(from_m);
@@ -134,10 +139,10 @@ bool Walk::jumped(double share, const Eigen::Matrix3Xd& from_m) {
 // Whether a small stage past obstacles led further than those before let expect, and than what moves. Where a body is
 // first touched it moves faster too.
 bool Walk::leapt(double share, const Eigen::Matrix3Xd& from_m) {
-  const bool steady = way_before_that_m_ > 0.0 && way_before_m_ < kLeap * way_before_that_m_;
+  const bool steady = ways_.last_but_one_m > 0.0 && ways_.last_m < kLeap * ways_.last_but_one_m;
   if (longest_ == 1.0 || !steady) return false;
   const double way_m = way_from_m(from_m);
-  const double expected_m = std::max(way_before_m_ * (share - done_), path_.largest_way_m(done_, share));
+  const double expected_m = std::max(ways_.last_m * (share - done_), path_.largest_way_m(done_, share));
   return way_m > kLeap * expected_m && way_m > kLeastSnap * parts_.body.size_m();
 }
 
@@ -260,7 +265,7 @@ void Walk::begin_slowly(const SimulationState& start) {
     parts_.state = std::move(here);
     return;
   }
-  done_ = way_before_m_ = way_before_that_m_ = 0.0;
+  done_ = ways_.last_m = ways_.last_but_one_m = 0.0;
   before_m_ = start.positions_m;
   iterations_before_ = report_.iterations;
   snaps_.clear();

@@ -71,24 +71,20 @@ XpbdTables::XpbdTables(const Body& body_in, std::vector<DrivenConstraint> constr
 
 XpbdSolver::XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_count)
     : tables_(std::move(tables)),
-      body_(tables_->body),
-      constraints_(tables_->constraints),
       loads_n_(tables_->loads_n),
       masses_(&tables_->moving),
-      colour_start_(tables_->colour_start),
-      batches_(tables_->batches),
       thread_count_(thread_count),
-      multipliers_(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0)),
-      pushed_m_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())),
-      solves_(batches_, masses_->root.data()),
-      energies_(static_cast<std::size_t>(batches_.count()), splat(0.0)),
-      gradient_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())),
-      nodes_(constraints_.size()) {}
+      multipliers_(static_cast<std::size_t>(tables_->batches.count()) * tables_->batches.node_count * 3, splat(0.0)),
+      pushed_m_(Eigen::Matrix3Xd::Zero(3, tables_->body.mesh().node_count())),
+      solves_(tables_->batches, masses_->root.data()),
+      energies_(static_cast<std::size_t>(tables_->batches.count()), splat(0.0)),
+      gradient_(Eigen::Matrix3Xd::Zero(3, tables_->body.mesh().node_count())),
+      nodes_(tables_->constraints.size()) {}
 
 template <class Work>
 void XpbdSolver::for_colours(Work work) const {
-  for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
-    const int first = colour_start_[colour], count = colour_start_[colour + 1] - first;
+  for (std::size_t colour = 0; colour + 1 < tables_->colour_start.size(); ++colour) {
+    const int first = tables_->colour_start[colour], count = tables_->colour_start[colour + 1] - first;
     const int parts = std::clamp(count / constants::kBatchesWorthAThread, 1, thread_count_);
 #pragma omp parallel for num_threads(parts) schedule(static, 1) if (parts > 1)
     for (int part = 0; part < parts; ++part) work(first + count * part / parts, first + count * (part + 1) / parts);
@@ -98,7 +94,7 @@ void XpbdSolver::for_colours(Work work) const {
 // What a constraint acts on at any time: what it acts on now, and what it couples.
 const std::vector<int>& XpbdSolver::touched_by(std::size_t constraint, const NewtonState& state) {
   for (const int node : touched_) gradient_.col(node).setZero();
-  const DrivenConstraint& of = constraints_[constraint];
+  const DrivenConstraint& of = tables_->constraints[constraint];
   of.add_gradient(state.positions_m, state.drives, 1.0, gradient_);
   std::vector<int>& nodes = nodes_[constraint];
   if (nodes.empty()) {
@@ -116,7 +112,7 @@ const std::vector<int>& XpbdSolver::touched_by(std::size_t constraint, const New
 }
 
 ConstraintLaw XpbdSolver::law_at(std::size_t constraint, const NewtonState& state) const {
-  const DrivenConstraint& of = constraints_[constraint];
+  const DrivenConstraint& of = tables_->constraints[constraint];
   const double y = state.constraint_multipliers[static_cast<Eigen::Index>(constraint)];
   return of.law(of.value(state.positions_m, state.drives), y, state.drives);
 }
@@ -128,7 +124,7 @@ ElementStep XpbdSolver::element_step(double h, NewtonState& state, const Eigen::
           multipliers_.data(),
           state.element_multipliers_pa.data(),
           start_m ? start_m->data() : nullptr,
-          start_m ? body_.viscosity().rayleigh_stiffness_s / h : 0.0};
+          start_m ? tables_->body.viscosity().rayleigh_stiffness_s / h : 0.0};
 }
 
 void XpbdSolver::take_up(const std::shared_ptr<const KeptSolves>& kept, double h, double dashpot) {
@@ -157,7 +153,7 @@ void XpbdSolver::load_multipliers(const Eigen::VectorXd& forces_n, double h) {
   pushed_m_.setZero();
   for (std::size_t place = 0; place < multipliers_.size(); ++place)
     for (int lane = 0; lane < kLanes; ++lane)
-      if (batches_.element[place / element_size() * kLanes + lane] >= 0)
+      if (tables_->batches.element[place / element_size() * kLanes + lane] >= 0)
         pushed_m_.data()[coordinate(place, lane)] += root_inverse_mass(place, lane) * multipliers_[place][lane];
 }
 
@@ -178,8 +174,9 @@ Eigen::VectorXd XpbdSolver::weights_at_rest(double h) const {
   for (std::size_t place = 0; place < multipliers_.size(); ++place)
     for (int lane = 0; lane < kLanes; ++lane)
       weights[root.size() + static_cast<Eigen::Index>(place) * kLanes + lane] =
-          batches_.element[place / element_size() * kLanes + lane] < 0 ? 0.0
-                                                                       : h * h * root.data()[coordinate(place, lane)];
+          tables_->batches.element[place / element_size() * kLanes + lane] < 0
+              ? 0.0
+              : h * h * root.data()[coordinate(place, lane)];
   return weights;
 }
 
@@ -204,7 +201,7 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
   }
   motion += pushed_m_;
   if (task.hysteresis) motion -= h * h * masses_->whole.cwiseProduct(task.hysteresis->gradient_n());
-  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+  for (std::size_t i = 0; i < tables_->constraints.size(); ++i) {
     double& y = state.unknowns.constraint_multipliers[static_cast<Eigen::Index>(i)];
     const ConstraintLaw law = law_at(i, state.unknowns);
     y = std::clamp(task.multipliers_from_zero ? 0.0 : y, law.min_multiplier, law.max_multiplier);
@@ -214,21 +211,21 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
   }
   if (contact_) contact_->begin(h, state.unknowns.contact, state.free_velocities, motion);
   positions += masses_->whole.cwiseSign().cwiseProduct(motion);
-  if (task.reactions_n) body_.place_held_nodes(state.unknowns.contact.time_s, positions);
+  if (task.reactions_n) tables_->body.place_held_nodes(state.unknowns.contact.time_s, positions);
   if (contact_) contact_->find(start_m, positions, state.unknowns.contact);
 }
 
 void XpbdSolver::sweep_elements(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m) {
   const ElementStep step = element_step(h, state, start_m);
   pushed_m_ -= state.positions_m;
-  for_colours([&](int first, int last) { move_elements(batches_, first, last, step, solves_); });
+  for_colours([&](int first, int last) { move_elements(tables_->batches, first, last, step, solves_); });
   pushed_m_ += state.positions_m;
 }
 
 // Eq. 18 with y = -lambda / h^2, the force: the correction is dy = (o - a y) / (a + h^2 grad C . M^-1 grad C).
 void XpbdSolver::sweep_constraints(const XpbdTask& task, double h, NewtonState& state) {
   if (!tables_->shared.empty()) return solve_constraints(task, h, state);
-  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+  for (std::size_t i = 0; i < tables_->constraints.size(); ++i) {
     double& y = state.constraint_multipliers[static_cast<Eigen::Index>(i)];
     const ConstraintLaw law = law_at(i, state);
     if (law.prescribed()) continue;
@@ -245,15 +242,15 @@ void XpbdSolver::sweep_constraints(const XpbdTask& task, double h, NewtonState& 
 }
 
 void XpbdSolver::sweep(const XpbdTask& task, double h, const Eigen::Matrix3Xd& start_m, NewtonState& state) {
-  const bool dashpots = body_.viscosity().rayleigh_stiffness_s > 0.0 && !task.at_rest;
+  const bool dashpots = tables_->body.viscosity().rayleigh_stiffness_s > 0.0 && !task.at_rest;
   sweep_elements(h, state, dashpots ? &start_m : nullptr);
   sweep_constraints(task, h, state);
   if (contact_) contact_->sweep(state.positions_m);
 }
 
 void XpbdSolver::find_gradients(const NewtonState& state) {
-  gradients_.resize(constraints_.size());
-  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+  gradients_.resize(tables_->constraints.size());
+  for (std::size_t i = 0; i < tables_->constraints.size(); ++i) {
     gradients_[i].nodes = touched_by(i, state);
     gradients_[i].columns = gradient_(Eigen::all, touched_);
   }
@@ -261,9 +258,9 @@ void XpbdSolver::find_gradients(const NewtonState& state) {
 
 // A constraint that nothing can move keeps its multiplier.
 MultiplierProblem XpbdSolver::problem_at(double h, const NewtonState& state, bool slips_go_on) {
-  const auto count = static_cast<Eigen::Index>(constraints_.size());
+  const auto count = static_cast<Eigen::Index>(tables_->constraints.size());
   MultiplierProblem problem{Eigen::MatrixXd(count, count), Eigen::VectorXd(count), {}, {}};
-  for (std::size_t i = 0; i < constraints_.size(); ++i) problem.laws.push_back(law_at(i, state));
+  for (std::size_t i = 0; i < tables_->constraints.size(); ++i) problem.laws.push_back(law_at(i, state));
   for (const SharedLength& shared : tables_->shared)
     problem.friction_contacts.push_back({shared.first, shared.second, shared.contact->ratio(state.positions_m)});
   if (slips_go_on) problem.laws = after_flows(std::move(problem.laws), problem.friction_contacts, state.slips_m);
@@ -316,11 +313,11 @@ double XpbdSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const 
                    .cwiseProduct(velocities_m_s.cwiseAbs2())
                    .colwise()
                    .sum()
-                   .dot(body_.node_masses_kg());
+                   .dot(tables_->body.node_masses_kg());
 }
 
 double XpbdSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
-  measure_energy(batches_, positions_m.data(), energies_.data());
+  measure_energy(tables_->batches, positions_m.data(), energies_.data());
   double sum = 0.0;
   for (const Batch& batch : energies_)
     for (int lane = 0; lane < kLanes; ++lane) sum += batch[lane];
@@ -329,7 +326,7 @@ double XpbdSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
 
 XpbdSolver::Account XpbdSolver::open_account(const XpbdTask& task, const XpbdState& state) {
   Account account;
-  for (const DrivenConstraint& of : constraints_)
+  for (const DrivenConstraint& of : tables_->constraints)
     account.values.push_back(of.value(state.unknowns.positions_m, state.unknowns.drives));
   account.before_j = kinetic_energy(state.velocities_m_s) + stored_energy(state.unknowns.positions_m);
   if (task.hysteresis) account.before_j += task.hysteresis->energy_j();
@@ -340,8 +337,8 @@ void XpbdSolver::add_work(const XpbdTask& task, const Eigen::Matrix3Xd& motion_m
                           Account& account) const {
   double brought_j = loads_n_.cwiseProduct(motion_m).sum();
   if (task.reactions_n) brought_j += task.reactions_n(state).cwiseProduct(motion_m).sum();
-  for (std::size_t i = 0; i < constraints_.size(); ++i) {
-    const double value = constraints_[i].value(state.positions_m, state.drives);
+  for (std::size_t i = 0; i < tables_->constraints.size(); ++i) {
+    const double value = tables_->constraints[i].value(state.positions_m, state.drives);
     brought_j -= state.constraint_multipliers[static_cast<Eigen::Index>(i)] * (value - account.values[i]);
     account.values[i] = value;
   }
@@ -354,8 +351,8 @@ void XpbdSolver::close_account(const XpbdTask& task, const Account& account, con
   report.kinetic_energy_j = kinetic_energy(state.velocities_m_s);
   double after_j = report.kinetic_energy_j + stored_energy(unknowns.positions_m);
   if (task.hysteresis) after_j += task.hysteresis->energy_j();
-  const double least_j =
-      1e-9 * body_.material().youngs_modulus_pa * body_.node_masses_kg().sum() / body_.material().density_kg_m3;
+  const double least_j = 1e-9 * tables_->body.material().youngs_modulus_pa * tables_->body.node_masses_kg().sum() /
+                         tables_->body.material().density_kg_m3;
   report.created_energy =
       (after_j - account.before_j - account.work_j) / (account.before_j + account.moved_j + least_j);
   report.finite = std::isfinite(report.created_energy) && state.element_forces_n.allFinite() &&
@@ -387,14 +384,15 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   report.substeps = task.substep_count;
   const double h = task.time_step_s / task.substep_count;
   NewtonState& unknowns = state.unknowns;
-  const double slowing = 1.0 / (1.0 + body_.viscosity().rayleigh_mass_per_s * h);
-  const bool dashpots = body_.viscosity().rayleigh_stiffness_s > 0.0 && !task.at_rest;
+  const double slowing = 1.0 / (1.0 + tables_->body.viscosity().rayleigh_mass_per_s * h);
+  const bool dashpots = tables_->body.viscosity().rayleigh_stiffness_s > 0.0 && !task.at_rest;
   if (task.hysteresis) task.hysteresis->begin(unknowns.positions_m, state.branch_stress_pa);
   Account account = open_account(task, state);
-  take_up(state.kept, h, dashpots ? body_.viscosity().rayleigh_stiffness_s / h : 0.0);
+  take_up(state.kept, h, dashpots ? tables_->body.viscosity().rayleigh_stiffness_s / h : 0.0);
   load_multipliers(state.element_forces_n, h);
   contact_.reset();
-  if (task.contact) contact_.emplace(*task.contact, body_, masses_->whole, unknowns.positions_m, unknowns.contact);
+  if (task.contact)
+    contact_.emplace(*task.contact, tables_->body, masses_->whole, unknowns.positions_m, unknowns.contact);
   const double from_s = unknowns.contact.time_s;
   for (int substep = 0; substep < task.substep_count; ++substep) {
     const double over = (substep + 1.0) / task.substep_count;
@@ -416,7 +414,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
     const Eigen::Matrix3Xd motion = unknowns.positions_m - before;
     state.velocities_m_s = motion / h;
     // A node that moves so far flies apart with its body, and looks for skin that it touches without end.
-    if (!(motion.colwise().norm().maxCoeff() < body_.size_m())) return report;
+    if (!(motion.colwise().norm().maxCoeff() < tables_->body.size_m())) return report;
     if (contact_)
       account.bring(contact_->finish(before, unknowns.positions_m, unknowns.contact, state.free_velocities));
     add_work(task, motion, unknowns, account);

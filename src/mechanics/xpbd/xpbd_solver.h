@@ -169,22 +169,17 @@ class XpbdSolver {
   double stored_energy(const Eigen::Matrix3Xd& positions_m);
   const std::vector<int>& touched_by(std::size_t constraint, const NewtonState& state);
   // A place among the multipliers: a coordinate of a node of four elements.
-  std::size_t element_size() const { return static_cast<std::size_t>(batches_.node_count) * 3; }
+  std::size_t element_size() const { return static_cast<std::size_t>(tables_->batches.node_count) * 3; }
   int coordinate(std::size_t place, int lane) const {
-    return 3 * batches_.nodes[place / 3 * kLanes + lane] + static_cast<int>(place % 3);
+    return 3 * tables_->batches.nodes[place / 3 * kLanes + lane] + static_cast<int>(place % 3);
   }
   double root_inverse_mass(std::size_t place, int lane) const { return masses_->root.data()[coordinate(place, lane)]; }
   template <class Work>
   void for_colours(Work work) const;
 
   std::shared_ptr<const XpbdTables> tables_;
-  const Body& body_;  // these are the tables'
-  const std::vector<DrivenConstraint>& constraints_;
   Eigen::Matrix3Xd loads_n_;  // the tables', and what pulls now
   const InverseMasses* masses_;
-  const std::vector<int>& colour_start_;
-  const ElementBatches& batches_;
-
   const Interrupt* interrupt_ = nullptr;
   int thread_count_;
   Batches multipliers_;        // l, per batch: 3 P

@@ -83,7 +83,7 @@ void add(const rosbag::MessageInstance& message, RecordedSession& session, Marke
 
 void read(const std::string& path, RecordedSession& session) {
   require_sound_index(path);
-  const rosbag::Bag bag(path, rosbag::bagmode::Read);
+  const rosbag::Bag bag = open_bag(path);
   rosbag::View view(bag);
   session.start_s = view.getBeginTime().toSec();
   session.end_s = view.getEndTime().toSec();

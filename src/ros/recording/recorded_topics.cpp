@@ -38,6 +38,12 @@ std::string relative(const std::string& topic) {
   return topic.substr(!topic.empty() && topic[0] == '/' ? 1 : 0);
 }
 
+rosbag::Bag open_bag(const std::string& path) {
+  rosbag::Bag bag;
+  bag.open(path, rosbag::bagmode::Read);
+  return bag;
+}
+
 rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics) {
   return rosbag::View(bag, [topics](const rosbag::ConnectionInfo* connection) {
     return std::find(topics.begin(), topics.end(), relative(connection->topic)) != topics.end();

@@ -16,6 +16,8 @@
 namespace soft_robot_lab {
 
 std::string relative(const std::string& topic);  // as in topics.h
+// To be read. Throws rosbag::BagException; then nothing stays of it in memory, unlike by the constructor with a path.
+rosbag::Bag open_bag(const std::string& path);
 // Messages of these topics, in the order in which they were recorded.
 rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics);
 

@@ -197,7 +197,7 @@ void require_seen(const Findings& findings, const std::string& bag, const std::s
 ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::string& bag_path,
                               const std::string& output_path) {
   require_sound_index(bag_path);
-  const rosbag::Bag bag(bag_path, rosbag::bagmode::Read);
+  const rosbag::Bag bag = open_bag(bag_path);
   const double start_s = cpu_time_s();
   Findings findings;
   ReplaySummary summary;

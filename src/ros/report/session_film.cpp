@@ -37,7 +37,7 @@ bool is_robot(const SkinMessage& surface) {
 
 template <typename Visit>
 void visit_surfaces(const std::string& bag, const Visit& visit) {
-  const rosbag::Bag opened(bag, rosbag::bagmode::Read);
+  const rosbag::Bag opened = open_bag(bag);
   rosbag::View view = only(opened, {topics::simulator_surface});
   for (const rosbag::MessageInstance& message : view) {
     const auto surface = read_message<SkinMessage>(message);

@@ -125,7 +125,7 @@ class Painter {
 std::vector<SessionPicture> draw_session(const std::string& bag, const std::vector<RealityGap>& gaps,
                                          const std::vector<double>& times_s, const std::string& folder) {
   Painter painter(gaps, times_s, folder);
-  const rosbag::Bag opened(bag, rosbag::bagmode::Read);
+  const rosbag::Bag opened = open_bag(bag);
   for (const rosbag::MessageInstance& message : rosbag::View(opened)) painter.add(message);
   return painter.pictures();
 }

@@ -121,26 +121,26 @@ def draw_channel(d, x, channel, pins_of_channel):
     """A column: sensor, fill and vent with their wires to the board's row of pins, and the chamber that they reach by tubes."""
     regulated = 'regulator' in channel
     for i, (title, pin) in enumerate(zip(('sensor', 'regulator' if regulated else 'fill valve', 'vent valve'), pins_of_channel)):
-        left = x + 78 * i
-        d.box(left, 250, 72, 56, title, '#f3ead9')
-        d.text(left + 36, 292, ('0.5 to 4.5 V', 'filter, 0 to 5 V' if regulated else 'shut: no current', 'open: no current')[i], 'middle', size=9)
-        d.wire([(left + 36, 120), (left + 36, 250)], ('select', 'MOSI', 'MISO')[i])
-        d.text(left + 40, 140, pin)
-        d.wire([(left + 36, 306), (left + 36, 380)], 'air', 4)
-    d.wire([(x + 50, 206), (x + 96, 206), (x + 96, 250)], 'air', 4)  # from the supply's line
-    d.wire([(x + 36, 345), (x + 192, 345)], 'air', 4)
-    d.box(x + 36, 360, 160, 44, 'chamber ' + str(channel['name']), '#e4e4e4')
+        left = x + 92 * i
+        d.box(left, 250, 86, 56, title, '#f3ead9')
+        d.text(left + 43, 292, ('0.5 to 4.5 V', 'through a filter' if regulated else 'off: shut', 'off: open')[i], 'middle', size=10)
+        d.wire([(left + 43, 120), (left + 43, 250)], ('select', 'MOSI', 'MISO')[i])
+        d.text(left + 47, 140, pin)
+        d.wire([(left + 43, 306), (left + 43, 360)], 'air', 4)
+    d.wire([(x + 104, 206), (x + 104, 250)], 'air', 4)  # from the supply's line
+    d.wire([(x + 41, 340), (x + 229, 340)], 'air', 4)
+    d.box(x + 20, 360, 230, 44, 'chamber ' + str(channel['name']), '#e4e4e4')
 
 
 def draw_air(channels, pins_of_channels, supply):
-    left, width = 20, 260
+    left, width = 30, 300
     d = Drawing(left + max(3, len(channels)) * width + 20, 560)
     d.box(left, 70, len(channels) * width - 20, 50, 'Board', '#dfeaf5')
     d.text(left + 8, 110, '%s: valve of the supply, three ways; without current the line below is open to the air' % supply, size=11)
-    d.wire([(left + 10, 120), (left + 10, 180)], 'clock')
+    d.wire([(left + 10, 120), (left + 10, 186)], 'clock')
     d.text(left + 14, 140, supply)
-    d.box(left - 10, 180, 54, 40, 'supply', '#f3ead9')
-    d.wire([(left + 44, 206), (left + 50 + (len(channels) - 1) * width + 20, 206)], 'air', 4)
+    d.box(left - 20, 186, 66, 40, 'supply', '#f3ead9')
+    d.wire([(left + 46, 206), (left + 126 + (len(channels) - 1) * width, 206)], 'air', 4)
     for i, channel in enumerate(channels):
         draw_channel(d, left + 20 + i * width, channel, pins_of_channels[i])
     words = ('Blue, broad: air. Thin: a wire, by a MOSFET with a diode and 10 kOhm from gate to ground for each valve.',)

@@ -4,9 +4,17 @@
 #include <algorithm>
 
 namespace soft_robot_lab {
+namespace {
+
+int motor_count(const RigSettings& rig) {
+  require_motors(rig, "this emulated session");
+  return static_cast<int>(rig.motors.size());
+}
+
+}  // namespace
 
 EmulatedSession::EmulatedSession(const RigSettings& rig_settings, std::uint64_t seed, const std::string& program)
-    : LockStepSession(static_cast<int>(rig_settings.motors.size()), seed, program), settings(rig_settings) {
+    : LockStepSession(motor_count(rig_settings), seed, program), settings(rig_settings) {
   start_driver(true);
 }
 

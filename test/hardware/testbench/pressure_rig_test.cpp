@@ -245,6 +245,40 @@ TEST_P(PressureRig, ReportsNoFaultOfASoundChannel) {
   }
 }
 
+// Every pin: the timers of the pulsed ones differ. Slow sensors' rounds, large chambers, the longest time to a fault.
+class FourChannels : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+INSTANTIATE_TEST_SUITE_P(All, FourChannels,
+                         testing::Values(std::pair("valves: {deadband_pa: 1000}", "regulator: {full_pa: 50000}"),
+                                         std::pair("regulator: {full_pa: 50000}", "valves: {deadband_pa: 1000}")),
+                         [](const auto& rig) { return rig.param.first[0] == 'v' ? "valves" : "regulators"; });
+
+TEST_P(FourChannels, OfBothKindsReachTheirPressuresAndReportFaults) {
+  const auto [odd, even] = GetParam();
+  std::string yaml = "device: /dev/null\nsensor: {full_pa: 100000}\nwatch: {fault_s: 0.4}\nchannels:\n";
+  for (int i = 0; i < 4; ++i)
+    yaml +=
+        "  - {name: " + std::string(1, static_cast<char>('a' + i)) + ", max_pa: 40000, " + (i % 2 ? odd : even) + "}\n";
+  for (int broken = 0; broken < 4; ++broken) {
+    PressureSession session(rig_file(yaml), 1, SOFT_ROBOT_LAB_RIG_EMULATOR);
+    for (int i = 0; i < 4; ++i) session.rig.ask("volume " + std::to_string(i) + " 100");
+    ASSERT_TRUE(session.run_until_ready());
+    session.command({"a", "b", "c", "d"}, {10000, 15000, 20000, 25000});
+    session.run(3.0);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(session.rig.pressures_pa().at(i), 10000.0 + 5000.0 * static_cast<double>(i), tolerance_pa) << i;
+      EXPECT_EQ(session.channel(i).fault, "");
+    }
+    session.rig.ask("burst " + std::to_string(broken) + " on");
+    const auto reported = [&] {
+      return contains(session.channel(static_cast<std::size_t>(broken)).fault, "burst tube");
+    };
+    EXPECT_TRUE(session.run_until(reported, report_limit_s)) << broken;
+    session.run(3.0);
+    for (const double pressure_pa : session.rig.pressures_pa()) EXPECT_LT(pressure_pa, tolerance_pa) << broken;
+  }
+}
+
 TEST(PressureRigCommands, AreAnsweredHoweverBadTheyAre) {
   Testbench rig(rig_file(valves), 1, SOFT_ROBOT_LAB_RIG_EMULATOR);
   for (const char* line :

@@ -12,6 +12,7 @@ constexpr uint8_t bad_in_a_row = 3;  // measurements until they are believed
 
 struct Channel {
   int32_t pressure_pa = 0;
+  int32_t smooth_eighths_pa = 0;  // the mean of the last measurements, for what watches
   int32_t set_point_pa = 0;
   int32_t max_pa = 0;
   int32_t output_pa = 0;  // of a regulator at full duty; 0: valves
@@ -57,22 +58,23 @@ void fail(Channel& channel, uint16_t flag) {
   depressurise_all();
 }
 
-// Away from its set point a sound channel comes nearer all the time.
+// Away from its set point a sound channel comes nearer all the time; a sensor's noise must not pass for that.
 void watch(Channel& channel, uint16_t now) {
-  const int32_t error = channel.set_point_pa - channel.pressure_pa;
+  const int32_t pressure_pa = channel.smooth_eighths_pa / 8;
+  const int32_t error = channel.set_point_pa - pressure_pa;
   const bool low = error > 0;
   const bool away = (low ? error : -error) > channel.tolerance_pa;
   const bool begins = away && (!channel.away || low != channel.low);
   channel.away = away;
   channel.low = low;
   if (!away) return;
-  const int32_t nearer = low ? channel.pressure_pa - channel.from_pa : channel.from_pa - channel.pressure_pa;
+  const int32_t nearer = low ? pressure_pa - channel.from_pa : channel.from_pa - pressure_pa;
   if (begins || nearer >= channel.least_change_pa) {
-    channel.from_pa = channel.pressure_pa;
+    channel.from_pa = pressure_pa;
     channel.from_ms = now;
   } else if (static_cast<uint16_t>(now - channel.from_ms) >= channel.fault_ms) {
     const bool lost = low && (nearer <= -static_cast<int32_t>(channel.least_change_pa) ||
-                              channel.pressure_pa < static_cast<int32_t>(channel.tolerance_pa));
+                              pressure_pa < static_cast<int32_t>(channel.tolerance_pa));
     fail(channel, lost ? wire::flag_burst : wire::flag_stuck);
   }
 }
@@ -96,9 +98,12 @@ void measure(Channel& channel, uint16_t sum, uint16_t now) {
     if ((channel.flags & wire::flag_sensor) == 0) fail(channel, wire::flag_sensor);
     return;
   }
+  const bool first = (channel.flags & wire::flag_known) == 0;
   channel.flags |= wire::flag_known;
   const int32_t counts = static_cast<int32_t>(sum) - static_cast<int32_t>(channel.sensor_zero);
   channel.pressure_pa = static_cast<int32_t>(static_cast<float>(counts) * channel.pa_per_count);
+  channel.smooth_eighths_pa =
+      first ? 8 * channel.pressure_pa : channel.smooth_eighths_pa + channel.pressure_pa - channel.smooth_eighths_pa / 8;
   if (faulty) return;
   const bool high = channel.pressure_pa > channel.max_pa + static_cast<int32_t>(channel.tolerance_pa);
   channel.high_pressures = high ? static_cast<uint8_t>(channel.high_pressures + 1) : 0;

@@ -109,6 +109,27 @@ TEST_P(PressureRig, ReportsABurstTube) {
   hold(20000, 30000);
 }
 
+// Its noise must not pass for a pressure that comes nearer.
+TEST_P(PressureRig, ReportsFaultsByANoisySensor) {
+  start();
+  for (const char* noise_pa : {"100", "300", "600"}) {
+    session.rig.ask(std::string("sensor_noise 0 ") + noise_pa);
+    for (const double value_pa : {8000.0, 20000.0, 30000.0}) {
+      hold(value_pa, 30000);
+      session.rig.ask("burst 0 on");
+      expect_fault("burst tube");
+      session.rig.ask("burst 0 off");
+      clear();
+      hold(value_pa, 30000);
+      session.rig.ask("stuck 0 fill");
+      session.command({"a"}, {value_pa + 10000.0});
+      expect_fault("stuck valve");
+      session.rig.ask("stuck 0 off");
+      clear();
+    }
+  }
+}
+
 TEST_P(PressureRig, ReportsATubeThatWasOffBefore) {
   start();
   session.rig.ask("burst 0 on");
@@ -302,7 +323,7 @@ TEST_P(PressureRig, HoldsNoWrongSetPointOnANoisyLine) {
     ASSERT_EQ(refusal(session, {"a", "b"}, {a_pa, b_pa}), "") << i;
     ASSERT_TRUE(session.run_until([&] { return session.driver().commands().pending == 0; }, 2.0)) << i;
     ASSERT_EQ(session.driver().commands().acknowledged, taken_before + 1) << i;
-    const double until_s = session.rig.time_s() + (i % 10 == 0 ? 0.045 : 0.005);  // sometimes two rounds of reports
+    const double until_s = session.rig.time_s() + (i % 25 == 0 ? 0.045 : 0.003);  // sometimes two rounds of reports
     session.run_until([&] {
       ++reports;
       wrong += session.channel(0).set_point_pa != a_pa || session.channel(1).set_point_pa != b_pa;

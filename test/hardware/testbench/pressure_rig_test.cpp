@@ -213,6 +213,28 @@ TEST_P(PressureRig, LetsTheAirOutWhenTheHostDies) {
   hold(20000, 30000);
 }
 
+// A host with another file, while the board still holds what the first one asked for.
+TEST_P(PressureRig, LetsTheAirOutBeforeItIsConfiguredAnew) {
+  start();
+  hold(20000, 30000);
+  session.stop_driver();
+  std::string other = GetParam();
+  other.replace(other.find("max_pa: 40000"), 13, "max_pa: 25000");
+  PressureDriver second(parse_rig(other, "other"), DriverOptions{77, false}, session.rig.ports());
+  while (!second.ready() && session.rig.time_s() < 60.0) {
+    second.update(session.rig.time_s());
+    session.rig.run(0.005);
+  }
+  ASSERT_TRUE(second.ready());
+  EXPECT_EQ(second.channels()[1].set_point_pa, 0.0);
+  for (int i = 0; i < 400; ++i) {
+    second.update(session.rig.time_s());
+    session.rig.run(0.005);
+  }
+  EXPECT_TRUE(near(0, 0.0) && near(1, 0.0)) << truth(0) << " " << truth(1);
+  EXPECT_THROW(second.command({"a"}, {26000}, session.rig.time_s()), std::invalid_argument);
+}
+
 TEST_P(PressureRig, EmergencyStopLetsTheAirOutAndHoldsUntilCleared) {
   start();
   hold(20000, 30000);

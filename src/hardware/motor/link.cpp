@@ -5,6 +5,8 @@
 #include <cassert>
 #include <utility>
 
+#include "words.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -94,8 +96,8 @@ void Link::handle(const wire::Frame& frame, double now_s) {
   heard_s_ = now_s;
   if (frame.kind == wire::kind_welcome && state_ == State::greeting) handle_welcome(frame);
   if (frame.kind == wire::kind_state && state_ == State::open) {
-    events_.push_back(MotorReport{
-        frame.payload[wire::state::motor], wire::get_i24(frame.payload + wire::state::position),
+    events_.push_back(DriveReport{
+        frame.payload[wire::state::drive], wire::get_i24(frame.payload + wire::state::position),
         wire::get_i24(frame.payload + wire::state::target), wire::get_u16(frame.payload + wire::state::flags)});
   }
 }
@@ -106,6 +108,12 @@ void Link::handle_welcome(const wire::Frame& frame) {
     throw PortError("the board speaks protocol " + std::to_string(version) + ", this driver " +
                     std::to_string(wire::protocol_version) + ": flash its firmware again");
   }
+  const std::uint8_t firmware = frame.payload[wire::welcome::firmware];
+  if (firmware != options_.firmware) {
+    throw PortError("the board runs the firmware for " + words_of_firmware(firmware) + ", the rig's file lists " +
+                    words_of_firmware(options_.firmware) +
+                    ": take the right file or board, or flash the other firmware");
+  }
   if (frame.session != session_) return;
   const bool same = wire::get_u16(frame.payload + wire::welcome::configuration_crc) == configuration_crc_;
   state_ = State::open;
@@ -113,7 +121,7 @@ void Link::handle_welcome(const wire::Frame& frame) {
   backoff_s_ = options_.first_backoff_s;
   last_failure_.clear();
   ++counts_.opened;
-  events_.push_back(LinkOpened{same, frame.payload[wire::welcome::motor_count]});
+  events_.push_back(LinkOpened{same, frame.payload[wire::welcome::drive_count]});
   settle_request(same, frame.number);
 }
 

@@ -71,6 +71,14 @@ class Link {
     double sent_s;
   };
 
+  // When these were last done, or are due.
+  struct Times {
+    double now_s = 0.0;
+    double heard_s = 0.0, sent_s = 0.0, greeted_s = 0.0;
+    double attempt_s = 0.0;  // the next one to open
+    double backoff_s = 0.0;  // after it
+  };
+
   void try_to_open(double now_s);
   void receive(double now_s);
   void handle(const wire::Frame& frame, double now_s);
@@ -92,9 +100,7 @@ class Link {
   std::optional<Request> request_;
   std::uint8_t session_;
   std::uint8_t last_number_ = 0;
-  double now_s_ = 0.0;
-  double heard_s_ = 0.0, sent_s_ = 0.0, greeted_s_ = 0.0, attempt_s_ = 0.0;
-  double backoff_s_;
+  Times times_;
   std::string last_failure_;
   std::vector<LinkEvent> events_;
   LinkCounts counts_;

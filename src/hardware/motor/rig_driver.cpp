@@ -39,14 +39,14 @@ void RigDriver::update(double now_s) {
 }
 
 void RigDriver::repeat_emergency_stop(double now_s) {
-  const bool clearing =
-      operation_ == OperationState::running && !steps_.empty() && steps_[0].request.kind == wire::kind_clear;
-  if (!emergency_stopped_ || clearing || now_s - emergency_sent_s_ < emergency_period_s) return;
+  const bool clearing = operation_.state == OperationState::running && !steps_.due.empty() &&
+                        steps_.due[0].request.kind == wire::kind_clear;
+  if (!emergency_.on || clearing || now_s - emergency_.sent_s < emergency_period_s) return;
   const bool heard = std::all_of(
       drives_.begin(), drives_.begin() + static_cast<std::ptrdiff_t>(count()),
       [](const Drive& drive) { return drive.report && (drive.report->flags & wire::flag_emergency_stop) != 0; });
   if (!heard) link_.emergency_stop();
-  emergency_sent_s_ = now_s;
+  emergency_.sent_s = now_s;
 }
 
 bool RigDriver::ready() const {
@@ -59,8 +59,8 @@ bool RigDriver::ready() const {
 
 void RigDriver::on(const LinkOpened& event) {
   for (Drive& drive : drives_) drive.report.reset();
-  steps_.clear();
-  step_sent_ = false;
+  steps_.due.clear();
+  steps_.first_sent = false;
   configured_ = event.same_configuration;
   link_failure_ = why_not_driven(rig_, event.drive_count);
   if (!link_failure_.empty()) {
@@ -73,8 +73,8 @@ void RigDriver::on(const LinkOpened& event) {
 void RigDriver::on(const LinkLost& event) {
   link_failure_ = event.reason;
   configured_ = false;
-  steps_.clear();
-  step_sent_ = false;
+  steps_.due.clear();
+  steps_.first_sent = false;
   refuse_targets(waiting_, "the link was lost: " + event.reason);
   fail_operation("the link was lost: " + event.reason);
 }
@@ -89,17 +89,17 @@ void RigDriver::on(const RequestAnswered& event) {
     }
     return;
   }
-  if (!step_sent_ || steps_.empty() || steps_[0].request.kind != event.kind) return;
-  step_sent_ = false;
+  if (!steps_.first_sent || steps_.due.empty() || steps_.due[0].request.kind != event.kind) return;
+  steps_.first_sent = false;
   const bool configuring = wire::is_configuration(event.kind);
   if (configuring && event.result == wire::result_moving) return;  // motors still slow down: once more
-  const Step step = steps_[0];
-  steps_.pop_front();
+  const Step step = steps_.due[0];
+  steps_.due.pop_front();
   if (configuring) end_configuring(event.result);
   if (done) on_done(step.request);
   // An emergency stop since then has failed the operation, and holds.
-  if (step.request.kind == wire::kind_clear && done && operation_ == OperationState::running) {
-    emergency_stopped_ = false;
+  if (step.request.kind == wire::kind_clear && done && operation_.state == OperationState::running) {
+    emergency_.on = false;
   }
   if (step.operation) finish(done, words(event.result));
 }
@@ -108,8 +108,8 @@ void RigDriver::on(const RequestAnswered& event) {
 void RigDriver::end_configuring(wire::Result result) {
   if (result != wire::result_done) {
     link_failure_ = "the board refused its configuration: " + words(result);
-    steps_.clear();
-  } else if (steps_.empty() || !wire::is_configuration(steps_[0].request.kind)) {
+    steps_.due.clear();
+  } else if (steps_.due.empty() || !wire::is_configuration(steps_.due[0].request.kind)) {
     configured_ = true;
     for (Drive& drive : drives_) drive.report.reset();  // of before
   }
@@ -145,9 +145,9 @@ void RigDriver::configure() {
 
 void RigDriver::send_next(double now_s) {
   if (!link_.open() || link_.busy()) return;
-  if (!steps_.empty()) {
-    step_sent_ = true;
-    link_.request(steps_[0].request.kind, steps_[0].request.payload, now_s);
+  if (!steps_.due.empty()) {
+    steps_.first_sent = true;
+    link_.request(steps_.due[0].request.kind, steps_.due[0].request.payload, now_s);
   } else if (!commands_in(waiting_).empty()) {
     send_targets(now_s);
   }
@@ -205,10 +205,10 @@ void RigDriver::require_ready(double now_s) const {
     throw std::invalid_argument("comes within min_command_period_s = " + std::to_string(rig_.min_command_period_s) +
                                 " of the last command");
   }
-  if (emergency_stopped_) throw std::invalid_argument("emergency stop: clear it first");
+  if (emergency_.on) throw std::invalid_argument("emergency stop: clear it first");
   if (!link_failure_.empty()) throw std::invalid_argument("no link: " + link_failure_);
   if (!ready()) throw std::invalid_argument(kUnread);
-  if (operation_ == OperationState::running)
+  if (operation_.state == OperationState::running)
     throw std::invalid_argument("the drives are being zeroed, stopped or cleared");
 }
 
@@ -234,9 +234,9 @@ void RigDriver::check(int index, double value) const {
 }
 
 void RigDriver::emergency_stop() {
-  emergency_stopped_ = true;
+  emergency_.on = true;
   link_.emergency_stop();
-  emergency_sent_s_ = -1e9;
+  emergency_.sent_s = -1e9;
   refuse_targets(waiting_, "emergency stop");
   fail_operation("emergency stop");
 }
@@ -253,28 +253,28 @@ std::uint8_t RigDriver::mask_of(const std::vector<std::string>& names) const {
 }
 
 void RigDriver::begin_operation(wire::Kind kind, std::uint8_t mask) {
-  operation_failure_.clear();
-  operation_ = OperationState::running;
+  operation_.failure.clear();
+  operation_.state = OperationState::running;
   if (!link_failure_.empty()) return fail_operation("no link: " + link_failure_);
   if (!ready()) return fail_operation(kUnread);
   refuse_targets(waiting_, "replaced by a request to zero, stop or clear");
-  steps_.push_back({{kind, {mask}}, true});
+  steps_.due.push_back({{kind, {mask}}, true});
 }
 
 void RigDriver::finish(bool done, const std::string& why) {
-  if (operation_ != OperationState::running) return;
-  operation_ = done ? OperationState::done : OperationState::failed;
-  if (!done) operation_failure_ = why;
+  if (operation_.state != OperationState::running) return;
+  operation_.state = done ? OperationState::done : OperationState::failed;
+  if (!done) operation_.failure = why;
 }
 
 void RigDriver::fail_operation(const std::string& why) {
-  if (operation_ != OperationState::running) return;
-  operation_ = OperationState::failed;
-  operation_failure_ = why;
+  if (operation_.state != OperationState::running) return;
+  operation_.state = OperationState::failed;
+  operation_.failure = why;
   // One that was sent already is answered all the same; nobody waits for it.
-  steps_.erase(std::remove_if(steps_.begin() + (step_sent_ ? 1 : 0), steps_.end(),
-                              [](const Step& step) { return step.operation; }),
-               steps_.end());
+  steps_.due.erase(std::remove_if(steps_.due.begin() + (steps_.first_sent ? 1 : 0), steps_.due.end(),
+                                  [](const Step& step) { return step.operation; }),
+                   steps_.due.end());
 }
 
 std::set<std::int64_t> RigDriver::commands_in(const Targets& targets) {

@@ -47,13 +47,13 @@ class RigDriver {
   // These replace what was asked for before.
   void soft_stop();  // motors brake; air is let out
   void clear();      // faults and the emergency stop
-  OperationState operation() const { return operation_; }
-  const std::string& operation_failure() const { return operation_failure_; }
+  OperationState operation() const { return operation_.state; }
+  const std::string& operation_failure() const { return operation_.failure; }
 
   bool linked() const { return link_.open(); }
   bool ready() const;  // linked, configured, and all states read since
   const std::string& link_failure() const { return link_failure_; }
-  bool emergency_stopped() const { return emergency_stopped_; }
+  bool emergency_stopped() const { return emergency_.on; }
   const RigSettings& rig() const { return rig_; }
   CommandCounts commands() const;
   const LinkCounts& link_counts() const { return link_.counts(); }
@@ -85,7 +85,7 @@ class RigDriver {
   const Drive& drive(std::size_t index) const { return drives_[index]; }
   std::optional<double> asked_target(std::size_t index) const;  // that the board has not taken on yet
   void begin_operation(wire::Kind kind, std::uint8_t mask);
-  void add_step(BoardRequest request) { steps_.push_back({std::move(request), false}); }
+  void add_step(BoardRequest request) { steps_.due.push_back({std::move(request), false}); }
   std::uint8_t mask_of(const std::vector<std::string>& names) const;  // none: all
 
  private:
@@ -94,6 +94,18 @@ class RigDriver {
     std::int64_t command;  // that asked for it
   };
   using Targets = std::array<std::optional<Target>, wire::max_motors>;
+  struct Operation {
+    OperationState state = OperationState::none;
+    std::string failure;
+  };
+  struct EmergencyStop {
+    bool on = false;
+    double sent_s = -1e9;
+  };
+  struct Steps {
+    std::deque<Step> due;
+    bool first_sent = false;
+  };
 
   void on(const LinkOpened& event);
   void on(const LinkLost& event);
@@ -119,17 +131,14 @@ class RigDriver {
   Link link_;
   bool configured_ = false;
   bool was_ready_ = false;
-  bool emergency_stopped_ = false;
+  EmergencyStop emergency_;
   std::array<Drive, wire::max_motors> drives_{};
   Targets waiting_{}, sent_{};
-  std::deque<Step> steps_;
-  bool step_sent_ = false;
-  OperationState operation_ = OperationState::none;
-  std::string operation_failure_;
+  Steps steps_;
+  Operation operation_;
   std::string link_failure_ = "not connected yet";
   std::string last_refusal_;
   double last_command_s_ = -1e9;
-  double emergency_sent_s_ = -1e9;
   CommandCounts counts_;
 };
 

@@ -14,7 +14,7 @@ folder=${words[0]} robot=${words[1]} images=${words[2]:-false}
 session=/${ROS_NAMESPACE:-}/
 session=$(tr -s / <<<"$session") # "/left/" in the namespace left, else "/"
 topics=(actuators/command simulator/markers simulator/actuators simulator/surface simulator/scene tracker/markers
-  tracker/parameter_updates controller/progress controller/target overlay overlay/labels reality_gap motor/state rig/shafts plant/markers)
+  tracker/parameter_updates controller/progress controller/target overlay overlay/labels reality_gap motor/state pressure/state rig/shafts plant/markers)
 topics=("${topics[@]/#/$session}" /tf /tf_static /diagnostics /rosout)
 compression=() # of little it would hold back for long what the lamp of the recording waits for
 [[ $images != true ]] || compression=(--lz4)

@@ -33,7 +33,8 @@ SECTIONS = {
                   'programs/new_rig.cpp', 'programs/rig'],
     },
     'Material preset': {'config': ['materials']},
-    'Motor rig': {'config': ['robots/*/motors.yaml', 'motors'], 'strict': ['hardware/motor/rig_settings.cpp']},
+    'Motor rig': {'config': ['robots/*/motors.yaml', 'motors'], 'strict': ['hardware/motor/rig_settings.cpp'], 'no_keys': {'channels'}},
+    'Pressure rig': {'config': ['robots/*/pressures.yaml'], 'strict': ['hardware/motor/pressure_settings.cpp']},
     'Plant': {'config': [], 'strict': ['hardware/plant/plant.cpp']},  # `robot` is a scene
     'Camera setup': {'config': ['cameras'], 'but': ['cameras/*_poses.yaml'],
                      'strict': ['perception/render/camera_setup.cpp', 'perception/render/sensor_model.cpp']},

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""draw_wiring.py RIG.yaml OUTPUT.svg: how board, drivers and motors of a rig are wired: the pins as the page beside this
-script lists them, the motors in the order of the rig's file."""
+"""draw_wiring.py RIG.yaml OUTPUT.svg: how board and drives of a rig are wired, motors or pressure channels: the pins as the page
+beside this script lists them, the drives in the order of the rig's file."""
 import os
 import re
 import sys
@@ -10,7 +10,7 @@ import yaml
 
 PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'README.md')
 LINES = ('select', 'clock', 'MOSI', 'MISO')
-COLOURS = {'select': '#7b3fa0', 'clock': '#1565c0', 'MOSI': '#2e7d32', 'MISO': '#c62828', 'chain': '#2e7d32', 'supply': '#b36b00', 'ground': '#444'}
+COLOURS = {'select': '#7b3fa0', 'clock': '#1565c0', 'MOSI': '#2e7d32', 'MISO': '#c62828', 'chain': '#2e7d32', 'supply': '#b36b00', 'ground': '#444', 'air': '#5b9bd5'}
 DRIVER, GAP, TOP = 150, 70, 150
 
 
@@ -23,13 +23,24 @@ def pins():
     return found
 
 
-def motor_names(path):
+def air_pins():
+    """Of each channel: sensor, fill, vent; and the supply's."""
+    with open(PAGE) as file:
+        page = file.read()
+    rows = re.findall(r'^\| (\d) \| (A\d) \| (D\d+) \| (D\d+) \|$', page, re.M)
+    supply = re.search(r"supply's valve is on (D\d+)", page)
+    if len(rows) != 4 or not supply:
+        sys.exit('%s names no pins of four channels and a supply' % PAGE)
+    return [row[1:] for row in rows], supply.group(1)
+
+
+def drives(path, kind, most):
     with open(path) as file:
         rig = yaml.safe_load(file)
-    names = [str(motor['name']) for motor in rig['motors']]
-    if not 1 <= len(names) <= 6:
-        sys.exit('%s: %d motors, must have [1, 6]' % (path, len(names)))
-    return names
+    found = rig.get(kind) or []
+    if not 1 <= len(found) <= most:
+        sys.exit('%s: %d %s, must have [1, %d]' % (path, len(found), kind, most))
+    return found
 
 
 class Drawing:
@@ -106,10 +117,54 @@ def draw(names, pin):
     return d.svg()
 
 
+def draw_channel(d, x, channel, pins_of_channel):
+    """A column: sensor, fill and vent with their wires to the board's row of pins, and the chamber that they reach by tubes."""
+    regulated = 'regulator' in channel
+    for i, (title, pin) in enumerate(zip(('sensor', 'regulator' if regulated else 'fill valve', 'vent valve'), pins_of_channel)):
+        left = x + 92 * i
+        d.box(left, 250, 86, 56, title, '#f3ead9')
+        d.text(left + 43, 292, ('0.5 to 4.5 V', 'through a filter' if regulated else 'off: shut', 'off: open')[i], 'middle', size=10)
+        d.wire([(left + 43, 120), (left + 43, 250)], ('select', 'MOSI', 'MISO')[i])
+        d.text(left + 47, 140, pin)
+        d.wire([(left + 43, 306), (left + 43, 360)], 'air', 4)
+    d.wire([(x + 104, 206), (x + 104, 250)], 'air', 4)  # from the supply's line
+    d.wire([(x + 41, 340), (x + 229, 340)], 'air', 4)
+    d.box(x + 20, 360, 230, 44, 'chamber ' + str(channel['name']), '#e4e4e4')
+
+
+def draw_air(channels, pins_of_channels, supply):
+    left, width = 30, 300
+    d = Drawing(left + max(3, len(channels)) * width + 20, 560)
+    d.box(left, 70, len(channels) * width - 20, 50, 'Board', '#dfeaf5')
+    d.text(left + 8, 110, '%s: valve of the supply, three ways; without current the line below is open to the air' % supply, size=11)
+    d.wire([(left + 10, 120), (left + 10, 186)], 'clock')
+    d.text(left + 14, 140, supply)
+    d.box(left - 20, 186, 66, 40, 'supply', '#f3ead9')
+    d.wire([(left + 46, 206), (left + 126 + (len(channels) - 1) * width, 206)], 'air', 4)
+    for i, channel in enumerate(channels):
+        draw_channel(d, left + 20 + i * width, channel, pins_of_channels[i])
+    words = ('Blue, broad: air. Thin: a wire, by a MOSFET with a diode and 10 kOhm from gate to ground for each valve.',)
+    for i, sentence in enumerate(words):
+        d.text(20, 26 + 20 * i, sentence, size=14)
+    words = ('Not drawn: 5 V and ground of the sensors from the board, 100 kOhm from each sensor\'s input to ground;',
+             'the valves\' own supply; a regulator for the air ahead of the supply\'s valve, with a relief valve;',
+             'one common ground. Vent valves end in the open air.')
+    for i, sentence in enumerate(words):
+        d.text(20, 450 + 22 * i, sentence)
+    return d.svg()
+
+
+def draw_rig(path):
+    with open(path) as file:
+        if 'channels' in yaml.safe_load(file):
+            return draw_air(drives(path, 'channels', 4), *air_pins())
+    return draw([str(motor['name']) for motor in drives(path, 'motors', 6)], pins())
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    svg = draw(motor_names(sys.argv[1]), pins())
+    svg = draw_rig(sys.argv[1])
     with open(sys.argv[2], 'w') as file:
         file.write(svg)
 

@@ -50,7 +50,8 @@ void declare(CommandLine& app, Arguments& arguments) {
       .type_name("FILE");
   app.add_flag("--force", arguments.force, "write over files that are there");
   app.footer(
-      "Writes motors.yaml, plant.yaml, tracker.yaml and balls.yaml, with --cameras camera_poses.yaml too, and says "
+      "Writes motors.yaml or pressures.yaml, plant.yaml, tracker.yaml and balls.yaml, with --cameras camera_poses.yaml "
+      "too, and says "
       "how\n"
       "to start a session with them.\n"
       "Exit status: 0 written, 1 written, but no camera sees a marker, 2 bad file or arguments, or nothing written.");
@@ -99,19 +100,21 @@ std::string include_path(const fs::path& robot, const fs::path& folder) {
   return near ? beside.string() : robot.string();
 }
 
-std::vector<RigFile> files(const fs::path& folder, const std::vector<std::string>& texts) {
+// `drives`: motors or pressures, as session.launch has it.
+std::vector<RigFile> files(const fs::path& folder, const std::string& drives, const std::vector<std::string>& texts) {
   std::vector<RigFile> files;
-  const std::vector<std::string> names{"motors.yaml", "plant.yaml", "tracker.yaml", "balls.yaml", "camera_poses.yaml"};
+  const std::vector<std::string> names{drives + ".yaml", "plant.yaml", "tracker.yaml", "balls.yaml",
+                                       "camera_poses.yaml"};
   for (std::size_t i = 0; i < texts.size(); ++i) files.push_back({(folder / names[i]).string(), texts[i], {}});
   return files;
 }
 
-void require_free(const fs::path& folder, std::size_t count, bool force) {
+void require_free(const fs::path& folder, const std::string& drives, std::size_t count, bool force) {
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw std::invalid_argument("--output: '" + folder.string() + "' is no folder");
   if (force) return;
   std::vector<std::string> there;
-  for (const RigFile& file : files(folder, std::vector<std::string>(count)))
+  for (const RigFile& file : files(folder, drives, std::vector<std::string>(count)))
     if (fs::exists(file.path)) there.push_back(file.path);
   if (!there.empty())
     throw std::invalid_argument("there already: " + join(there) + "; choose another --output, or --force");
@@ -145,14 +148,15 @@ void write_checked(std::vector<RigFile> files, const std::function<void()>& chec
 }
 
 // What a session reads, as it reads it.
-void check_files(const std::string& robot, const Simulation& simulation, const fs::path& folder) {
-  const RigSettings rig = load_rig(folder / "motors.yaml");
-  require_same_commands(simulation, robot, rig, folder / "motors.yaml");
+void check_files(const std::string& robot, const Simulation& simulation, const fs::path& folder,
+                 const std::string& drives) {
+  const fs::path rig_file = folder / (drives + ".yaml");
+  const RigSettings rig = load_rig(rig_file);
+  require_same_commands(simulation, robot, rig, rig_file);
   const PlantSettings plant = load_plant(folder / "plant.yaml");
   SceneOptions options;
   options.actuator_factory = make_actuator;
-  require_same_commands(*load_scene(plant.robot, options).simulation, folder / "plant.yaml", rig,
-                        folder / "motors.yaml");
+  require_same_commands(*load_scene(plant.robot, options).simulation, folder / "plant.yaml", rig, rig_file);
   load_tracker(folder / "tracker.yaml");
   read_ball_placement(folder / "balls.yaml");
 }
@@ -211,7 +215,6 @@ int write(const Arguments& arguments) {
   const std::string name = name_of_robot(arguments.robot);
   const fs::path folder =
       fs::weakly_canonical(fs::absolute(arguments.output.empty() ? name + "_rig" : arguments.output));
-  require_free(folder, arguments.cameras.empty() ? 4 : 5, arguments.force);
   const CameraSetup cameras =
       read_camera_setup(arguments.cameras.empty() ? config_folder() + "/cameras/box.yaml" : arguments.cameras);
   const YamlNode robot = load_settings(arguments.robot);
@@ -219,16 +222,20 @@ int write(const Arguments& arguments) {
   const Scene scene = load(arguments.robot, "the robot");
   const Simulation& simulation = *scene.simulation;
   const std::vector<Driven> drives = driven_actuators(robot, simulation);
+  const std::string kind = by_air(drives) ? "pressures" : "motors";
+  require_free(folder, kind, arguments.cameras.empty() ? 4 : 5, arguments.force);
   std::vector<std::string> markers;
   for (const Marker& marker : simulation.markers()) markers.push_back(marker.name());
-  std::vector<std::string> texts{
-      motors_text(name, drives), plant_text(name, include_path(robot_path, folder), robot, simulation, drives, cameras),
-      tracker_text(name, markers, cameras), balls_text(name, place_balls(simulation, cameras))};
+  std::vector<std::string> texts{by_air(drives) ? pressures_text(name, drives) : motors_text(name, drives),
+                                 plant_text(name, include_path(robot_path, folder), robot, simulation, drives, cameras),
+                                 tracker_text(name, markers, cameras),
+                                 balls_text(name, place_balls(simulation, cameras))};
   if (!arguments.cameras.empty()) texts.push_back(poses_text(cameras));
   make_folder(folder);
-  write_checked(files(folder, texts), [&] { check_files(arguments.robot, simulation, folder); });
+  write_checked(files(folder, kind, texts), [&] { check_files(arguments.robot, simulation, folder, kind); });
   print(name, robot_path, folder,
-        arguments.cameras.empty() ? "" : camera_arguments(arguments.cameras, cameras, folder));
+        (arguments.cameras.empty() ? "" : camera_arguments(arguments.cameras, cameras, folder)) +
+            (by_air(drives) ? " drives:=pressures" : ""));
   const std::vector<std::string> unseen = unseen_markers(simulation, cameras, load_tracker(folder / "tracker.yaml"));
   if (!unseen.empty())
     std::cerr << kProgram << ": warning: the tracker does not see " << join(unseen)
@@ -240,7 +247,9 @@ int write(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CommandLine app("Writes the files of a rig for a robot: motors, an emulated robot, markers and balls.", kProgram);
+  CommandLine app(
+      "Writes the files of a rig for a robot: motors or pressure channels, an emulated robot, markers and balls.",
+      kProgram);
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return write(arguments); });

@@ -13,6 +13,7 @@
 #include <soft_robot_lab/ActuatorState.h>
 #include <soft_robot_lab/MarkerObservations.h>
 #include <soft_robot_lab/MotorState.h>
+#include <soft_robot_lab/PressureState.h>
 
 #include "session_ears.h"
 #include "ros/messages/conversions.h"
@@ -42,6 +43,7 @@ const std::map<std::string, Move> kMoves = {
     {"gripper", {"left", 0.92, "tip_left", {1, 0, 0}, 0.005, 4}},
     {"hanging_bar", {"cable", 0.95, "tip", {1, 0, 0}, 0.005}},
     {"hollow_cuboid", {"main", 1.3, "skin_x", {1, 0, 0}, 0.0005}},
+    {"fibre_arm", {"a", 20000.0, "tip", {-1, 0, 0}, 0.01, 2}},
 };
 
 class RobotSession : public testing::Test {
@@ -64,6 +66,7 @@ class RobotSession : public testing::Test {
     hear_last(topics::tracker_markers, tracked_);
     hear_last(topics::plant_markers, real_);
     hear_last(topics::motor_state, motors_);
+    hear_last(topics::pressure_state, pressures_);
   }
 
   template <typename Message>
@@ -122,8 +125,10 @@ class RobotSession : public testing::Test {
     return solver_.empty() || (solver != diagnosis_.end() && solver->second == solver_);
   }
 
-  // Of the motor that pulls, full steps.
-  double target_steps() const {
+  // Of the motor that pulls, full steps, or of the channel that fills, Pa.
+  double drive_target() const {
+    for (std::size_t i = 0; i < pressures_.names.size(); ++i)
+      if (pressures_.names[i] == move().actuator) return pressures_.set_point_pa[i];
     for (std::size_t i = 0; i < motors_.names.size(); ++i)
       if (motors_.names[i] == move().actuator) return motors_.target_steps[i];
     return 0.0;
@@ -141,6 +146,7 @@ class RobotSession : public testing::Test {
   MarkerObservations simulated_, tracked_, real_;
   ActuatorState actuators_;
   MotorState motors_;
+  PressureState pressures_;
   ros::NodeHandle node_;
   ros::Publisher commands_;
 
@@ -156,15 +162,15 @@ TEST_F(RobotSession, MovesAsOneCommandSays) {
   }
   const Eigen::Vector3d simulated_m = position_of(simulated_, move().marker);
   const Eigen::Vector3d real_m = emulated_ ? position_of(real_, move().marker) : simulated_m;
-  const double volume_before_m3 = volume_m3(), steps_before = target_steps();
+  const double volume_before_m3 = volume_m3(), target_before = drive_target();
   // Of those that listen some may be connected only later: it is said again until the simulator and the rig know it.
-  const auto all_know = [&] { return commanded() && (!emulated_ || target_steps() != steps_before); };
+  const auto all_know = [&] { return commanded() && (!emulated_ || drive_target() != target_before); };
   for (int attempt = 0; attempt < 5 && !all_know(); ++attempt) {
     command();
     spin_until(all_know, 5.0);
   }
   ASSERT_TRUE(commanded());
-  ASSERT_TRUE(all_know()) << steps_before;
+  ASSERT_TRUE(all_know()) << target_before;
   EXPECT_TRUE(spin_until([&] { return gone_m(simulated_, simulated_m) > move().at_least_m; }, 40.0))
       << gone_m(simulated_, simulated_m);
   if (volume_before_m3 > 0.0) {

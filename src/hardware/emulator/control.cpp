@@ -44,6 +44,15 @@ class Words {
     return word == "on";
   }
   int motor(const EmulatedRig& rig) { return static_cast<int>(number("motor", 0, rig.motor_count() - 1)); }
+  int channel(const EmulatedRig& rig) { return static_cast<int>(number("channel", 0, rig.channel_count() - 1)); }
+  StuckValve valve() {
+    const std::string word = text("fill, vent or off");
+    const std::map<std::string, StuckValve> valves = {
+        {"fill", StuckValve::fill}, {"vent", StuckValve::vent}, {"off", StuckValve::none}};
+    const auto found = valves.find(word);
+    if (found == valves.end()) throw std::invalid_argument("'" + word + "' is neither fill, vent nor off");
+    return found->second;
+  }
   std::string rest() {
     std::string word;
     stream_ >> word;
@@ -101,6 +110,14 @@ std::string shafts(EmulatedRig& rig) {
   return text.str();
 }
 
+std::string pressures(EmulatedRig& rig) {
+  std::ostringstream text;
+  text.precision(12);
+  text << time_us(rig);
+  for (int i = 0; i < rig.channel_count(); ++i) text << ' ' << rig.channel(i).pressure_pa();
+  return text.str();
+}
+
 std::string counts(const EmulatedRig& rig) {
   const LineCounts counted = rig.line_counts();
   std::ostringstream text;
@@ -141,9 +158,10 @@ Command action(Action act) {
 
 constexpr double boot_loader_s = 0.5;
 
-const std::map<std::string, Command>& commands() {
-  static const std::map<std::string, Command> table = {
-      {"shafts", [](EmulatedRig& rig, Words&) { return shafts(rig); }},
+using Commands = std::map<std::string, Command>;
+
+const Commands& commands_of_any_rig() {
+  static const Commands table = {
       {"counts", [](EmulatedRig& rig, Words&) { return counts(rig); }},
       {"noise", noise},
       {"unplug", action([](EmulatedRig& rig, Words&) { rig.unplug(); })},
@@ -152,6 +170,13 @@ const std::map<std::string, Command>& commands() {
        action([](EmulatedRig& rig, Words& w) { rig.reset_board(w.number_or("boot_s", boot_loader_s, 0, 10)); })},
       {"brownout",
        action([](EmulatedRig& rig, Words& w) { rig.cut_power(w.number_or("boot_s", boot_loader_s, 0, 10)); })},
+  };
+  return table;
+}
+
+const Commands& commands_of_motors() {
+  static const Commands table = {
+      {"shafts", [](EmulatedRig& rig, Words&) { return shafts(rig); }},
       {"stall", condition(&StepperChip::set_stalled)},
       {"overcurrent", condition(&StepperChip::set_overcurrent)},
       {"overheat", condition(&StepperChip::set_overheated)},
@@ -168,6 +193,44 @@ const std::map<std::string, Command>& commands() {
   return table;
 }
 
+Command air_condition(void (AirChannel::*set)(bool)) {
+  return action([set](EmulatedRig& rig, Words& words) {
+    AirChannel& channel = rig.channel(words.channel(rig));
+    (channel.*set)(words.on_or_off());
+  });
+}
+
+Command air_number(void (AirChannel::*set)(double), const char* name, double min, double max, double unit) {
+  return action([=](EmulatedRig& rig, Words& words) {
+    AirChannel& channel = rig.channel(words.channel(rig));
+    (channel.*set)(unit * words.number(name, min, max));
+  });
+}
+
+const Commands& commands_of_air() {
+  static const Commands table = {
+      {"pressures", [](EmulatedRig& rig, Words&) { return pressures(rig); }},
+      {"burst", air_condition(&AirChannel::set_burst)},
+      {"silent", air_condition(&AirChannel::set_silent)},
+      {"freeze", air_condition(&AirChannel::set_frozen)},
+      {"stuck", action([](EmulatedRig& rig, Words& w) {
+         AirChannel& channel = rig.channel(w.channel(rig));
+         channel.set_stuck(w.valve());
+       })},
+      {"sensor_noise", air_number(&AirChannel::set_noise, "noise [Pa]", 0, 1e5, 1.0)},
+      {"volume", air_number(&AirChannel::set_volume, "volume [ml]", 1, 1e4, 1e-6)},
+      {"leak", air_number(&AirChannel::set_leak, "leak [l/(s bar)]", 0, 1, 1e-8)},
+  };
+  return table;
+}
+
+const Command& find_command(const EmulatedRig& rig, const std::string& name) {
+  const Commands& own = rig.channel_count() > 0 ? commands_of_air() : commands_of_motors();
+  for (const Commands* table : {&commands_of_any_rig(), &own})
+    if (const auto found = table->find(name); found != table->end()) return found->second;
+  throw std::invalid_argument("unknown command '" + name + "'");
+}
+
 }  // namespace
 
 std::string answer(EmulatedRig& rig, const std::string& line, bool lock_step) {
@@ -175,9 +238,7 @@ std::string answer(EmulatedRig& rig, const std::string& line, bool lock_step) {
     Words words(line);
     const std::string name = words.text("command");
     if (name == "run" && lock_step) return "ok " + run(rig, words);
-    const auto command = commands().find(name);
-    if (command == commands().end()) throw std::invalid_argument("unknown command '" + name + "'");
-    const std::string answer = command->second(rig, words);
+    const std::string answer = find_command(rig, name)(rig, words);
     return answer.empty() ? "ok" : "ok " + answer;
   } catch (const std::invalid_argument& error) {
     return std::string("error ") + error.what();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rig without the rig: the compiled firmware on an emulated ATmega328P (simavr), L6470s with motors on its SPI bus,
-// and a serial line. Time passes only in run().
+// The rig without the rig: the compiled firmware on an emulated ATmega328P (simavr), L6470s with motors on its SPI bus
+// or valves, regulators and sensors of air on its pins, and a serial line. Time passes only in run().
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "air_channel.h"
 #include "noisy_line.h"
 #include "stepper_chip.h"
 
@@ -16,6 +17,7 @@ namespace soft_robot_lab {
 class EmulatedRig {
  public:
   EmulatedRig(int motor_count, std::uint64_t seed);  // 1 to 6 motors; throws std::invalid_argument
+  EmulatedRig(const std::vector<ChannelSettings>& channels, std::uint64_t seed);  // of air
   ~EmulatedRig();
 
   double time_s() const;
@@ -31,10 +33,19 @@ class EmulatedRig {
   void cut_power(double boot_s);    // of board and chips
   int motor_count() const { return static_cast<int>(chips_.size()); }
   StepperChip& chip(int motor) { return chips_[static_cast<std::size_t>(motor)]; }
+  int channel_count() const { return static_cast<int>(air_.size()); }
+  AirChannel& channel(int index);  // as it is now
   LineCounts line_counts() const;  // of both directions
 
  private:
   struct Board;
+  struct Image;
+  EmulatedRig(const Image& firmware, std::uint64_t seed);
+  void connect_line();
+  void connect_chips();
+  void connect_sensors();
+  AirPins air_pins(int channel) const;
+  void advance_air();
   std::uint8_t exchange(std::uint8_t byte);
   void select(bool low);
   void hear(std::uint8_t byte);  // from the board
@@ -43,6 +54,8 @@ class EmulatedRig {
   void schedule_hearing();
 
   std::vector<StepperChip> chips_;
+  std::vector<AirChannel> air_;
+  double air_time_s_ = 0.0;
   NoisyLine to_board_, to_host_;
   bool plugged_ = true;
   bool selected_ = false;

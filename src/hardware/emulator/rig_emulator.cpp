@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rig_emulator: the rig's real firmware on an emulated board, with emulated stepper drivers, motors and faults.
-// A program of its own, as simavr is GPL.
+// rig_emulator: the rig's real firmware on an emulated board, with emulated stepper drivers, motors and faults,
+// or valves, regulators, air and faults. A program of its own, as simavr is GPL.
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -43,7 +43,7 @@ void declare(CommandLine& app, Arguments& arguments) {
                "the same commands come from the standard input, and time passes only with the command: "
                "run MICROSECONDS [BYTES_IN_HEX]");
   app.add_option("--motors", arguments.motors, "how many there are").type_name("N").show_default();
-  app.add_option("--rig", arguments.rig, "as many as this file lists").type_name("FILE");
+  app.add_option("--rig", arguments.rig, "the motors or pressure channels that this file lists").type_name("FILE");
   app.add_option("--seed", arguments.seed, "of what is random").type_name("N").show_default();
   app.allow_extras();
 }
@@ -111,10 +111,16 @@ void serve_in_real_time(EmulatedRig& rig, const std::string& device) {
   }
 }
 
+EmulatedRig make_rig(const Arguments& arguments) {
+  if (arguments.rig.empty()) return EmulatedRig(arguments.motors, arguments.seed);
+  const RigSettings settings = load_rig(arguments.rig);
+  if (!settings.channels.empty()) return EmulatedRig(settings.channels, arguments.seed);
+  return EmulatedRig(static_cast<int>(settings.motors.size()), arguments.seed);
+}
+
 int serve(const Arguments& arguments) {
-  const int motors = arguments.rig.empty() ? arguments.motors : static_cast<int>(load_rig(arguments.rig).motors.size());
   std::FILE* out = take_standard_output();
-  EmulatedRig rig(motors, arguments.seed);
+  EmulatedRig rig = make_rig(arguments);
   if (arguments.lock_step) {
     serve_in_lock_step(rig, out);
   } else {
@@ -128,7 +134,7 @@ int serve(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  CommandLine app("The rig's firmware on an emulated board, with emulated stepper drivers, motors and faults.",
+  CommandLine app("The rig's firmware on an emulated board, with emulated stepper drivers or air, and faults.",
                   "rig_emulator");
   Arguments arguments;
   declare(app, arguments);

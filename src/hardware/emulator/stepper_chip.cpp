@@ -23,36 +23,36 @@ std::int32_t with_sign(std::uint32_t value, int bits) {
 }  // namespace
 
 std::uint8_t StepperChip::shift(std::uint8_t in) {
-  const std::uint8_t out = shift_register_;
-  shift_register_ = in;
+  const std::uint8_t out = spi_.shifted;
+  spi_.shifted = in;
   return out;
 }
 
 void StepperChip::act(double now_s) {
   update(now_s);
-  const std::uint8_t byte = shift_register_;
-  shift_register_ = 0;
-  if (arguments_due_ > 0) {
-    argument_ = argument_ << 8 | byte;
-    if (--arguments_due_ == 0) finish(now_s);
+  const std::uint8_t byte = spi_.shifted;
+  spi_.shifted = 0;
+  if (spi_.arguments_due > 0) {
+    spi_.argument = spi_.argument << 8 | byte;
+    if (--spi_.arguments_due == 0) finish(now_s);
   } else {
     begin(byte, now_s);
   }
-  if (answer_bytes_ > 0) shift_register_ = static_cast<std::uint8_t>(answer_ >> 8 * --answer_bytes_);
+  if (spi_.answer_bytes > 0) spi_.shifted = static_cast<std::uint8_t>(spi_.answer >> 8 * --spi_.answer_bytes);
 }
 
 void StepperChip::begin(std::uint8_t byte, double now_s) {
-  command_ = byte;
-  argument_ = 0;
+  spi_.command = byte;
+  spi_.argument = 0;
   const std::uint8_t address = byte & 0x1f;
   const bool has_register = address != 0 && address < l6470::register_count;
   if (byte == l6470::nop) return;
   if ((byte & 0xe0) == l6470::set_param && has_register) {
-    arguments_due_ = l6470::register_bytes(address);
+    spi_.arguments_due = l6470::register_bytes(address);
   } else if ((byte & 0xe0) == l6470::get_param && has_register) {
     answer(read(address, now_s), l6470::register_bytes(address));
   } else if (byte == l6470::go_to) {
-    arguments_due_ = 3;
+    spi_.arguments_due = 3;
   } else if (byte == l6470::reset_position) {
     write(l6470::abs_pos, 0, now_s);
   } else if (byte == l6470::reset_device) {
@@ -74,10 +74,10 @@ void StepperChip::begin(std::uint8_t byte, double now_s) {
 }
 
 void StepperChip::finish(double now_s) {
-  if (command_ == l6470::go_to) {
+  if (spi_.command == l6470::go_to) {
     go_to(now_s);
   } else {
-    write(command_ & 0x1f, argument_, now_s);
+    write(spi_.command & 0x1f, spi_.argument, now_s);
   }
 }
 
@@ -87,7 +87,7 @@ void StepperChip::go_to(double now_s) {
     return;
   }
   const double unit = microsteps();
-  const std::int64_t target = with_sign(argument_, 22);
+  const std::int64_t target = with_sign(spi_.argument, 22);
   forward_ = target >= counted_microsteps_;
   bridges_off_ = false;
   motion_ = Motion::between(now_s, static_cast<double>(counted_microsteps_), static_cast<double>(target),
@@ -97,8 +97,8 @@ void StepperChip::go_to(double now_s) {
 }
 
 void StepperChip::answer(std::uint32_t value, std::uint8_t bytes) {
-  answer_ = value;
-  answer_bytes_ = bytes;
+  spi_.answer = value;
+  spi_.answer_bytes = bytes;
 }
 
 // Which registers may be written when, as the data sheet's table says.
@@ -220,7 +220,7 @@ void StepperChip::power_up(double now_s) {
   motion_ = Motion();
   alarms_ = l6470::status_no_undervoltage;
   bridges_off_ = true;
-  arguments_due_ = answer_bytes_ = shift_register_ = 0;
+  spi_.arguments_due = spi_.answer_bytes = spi_.shifted = 0;
 }
 
 void StepperChip::set_stalled(bool stalled, double now_s) {

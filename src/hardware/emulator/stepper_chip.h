@@ -40,6 +40,15 @@ class StepperChip {
     bool undervoltage = false;
   };
 
+  struct Spi {
+    std::uint8_t shifted = 0;  // what is in the shift register
+    std::uint8_t command = l6470::nop;
+    std::uint8_t arguments_due = 0;
+    std::uint32_t argument = 0;
+    std::uint32_t answer = 0;
+    std::uint8_t answer_bytes = 0;  // not sent yet
+  };
+
   double microsteps() const { return 1 << (registers_[l6470::step_mode] & 7); }
   void update(double now_s);
   void apply_conditions(double now_s);
@@ -66,12 +75,7 @@ class StepperChip {
   double backlash_steps_ = 0.0;
   double spool_microsteps_ = 0.0;
 
-  std::uint8_t shift_register_ = 0;
-  std::uint8_t command_ = l6470::nop;
-  std::uint8_t arguments_due_ = 0;
-  std::uint32_t argument_ = 0;
-  std::uint32_t answer_ = 0;
-  std::uint8_t answer_bytes_ = 0;
+  Spi spi_;
 };
 
 }  // namespace soft_robot_lab

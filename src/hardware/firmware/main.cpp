@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rig's board, an ATmega328P at 16 MHz: frames from the host on the serial line, L6470s in a daisy chain on SPI.
+// The rig's board, an ATmega328P at 16 MHz: frames from the host on the serial line, and what it drives.
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
 #include <avr/wdt.h>
 
-#include "chain.h"
-#include "motors.h"
+#include "drives.h"
 #include "serial.h"
 #include "session.h"
 
@@ -47,12 +46,11 @@ void stop_watchdog() {
 int main() {
   using namespace soft_robot_lab;
   serial::start();
-  chain::start();
-  motors::start();
+  drives::start();
   start_clock();
   set_sleep_mode(SLEEP_MODE_IDLE);
   sei();
-  wdt_enable(WDTO_250MS);  // a board that hangs is reset, and a reset stops the motors
+  wdt_enable(WDTO_250MS);  // a board that hangs is reset, and a reset stops the motors, or lets the air out
 
   wire::FrameDecoder decoder;
   uint16_t now_ms = 0;

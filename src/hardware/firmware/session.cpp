@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "session.h"
 
-#include "chain.h"
-#include "motors.h"
+#include "drives.h"
 #include "serial.h"
 
 namespace soft_robot_lab {
 namespace session {
 namespace {
 
-constexpr uint8_t firmware_version = 1;
 constexpr uint16_t state_period_ms = 20;
 
 uint8_t session = wire::no_session;
@@ -18,7 +16,7 @@ wire::Result last_result = wire::result_done;
 uint16_t now = 0;  // [ms]
 uint16_t heard_at = 0;
 uint16_t states_due = 0;
-uint8_t next_state = wire::max_motors;  // of the round of states that is being sent
+uint8_t next_state = 0xff;  // of the round of states that is being sent
 bool silent = true;
 
 uint8_t board_configuration[wire::board::length] = {};
@@ -27,9 +25,7 @@ uint16_t watchdog_ms() { return wire::get_u16(board_configuration + wire::board:
 
 uint16_t configuration_crc() {
   uint16_t crc = wire::crc16(board_configuration, wire::board::length);
-  for (uint8_t i = 0; i < board_configuration[wire::board::motor_count]; ++i) {
-    crc = wire::crc16(motors::configuration(i), wire::motor::length, crc);
-  }
+  for (uint8_t i = 0; i < board_configuration[wire::board::drive_count]; ++i) crc = drives::configuration_crc(i, crc);
   return crc;
 }
 
@@ -53,8 +49,8 @@ wire::Frame make_frame(wire::Kind kind, uint8_t number, uint8_t length) {
 void welcome() {
   wire::Frame frame = make_frame(wire::kind_welcome, last_number, wire::welcome::length);
   frame.payload[wire::welcome::version] = wire::protocol_version;
-  frame.payload[wire::welcome::firmware_version] = firmware_version;
-  frame.payload[wire::welcome::motor_count] = chain::count();
+  frame.payload[wire::welcome::firmware] = drives::firmware();
+  frame.payload[wire::welcome::drive_count] = drives::capacity();
   wire::put_u16(frame.payload + wire::welcome::configuration_crc, configuration_crc());
   send(frame);
 }
@@ -62,8 +58,8 @@ void welcome() {
 void acknowledge(const wire::Frame& request, wire::Result result) {
   wire::Frame frame = make_frame(wire::kind_acknowledge, request.number, wire::acknowledge::length);
   frame.payload[wire::acknowledge::result] = result;
-  for (uint8_t i = 0; i < chain::count(); ++i) {
-    const uint16_t flags = motors::flags(i);
+  for (uint8_t i = 0; i < drives::count(); ++i) {
+    const uint16_t flags = drives::flags(i);
     const uint8_t bit = 1 << i;
     if ((flags & wire::flag_moving) != 0) frame.payload[wire::acknowledge::moving_mask] |= bit;
     if ((flags & wire::fault_flags) != 0) frame.payload[wire::acknowledge::fault_mask] |= bit;
@@ -72,42 +68,21 @@ void acknowledge(const wire::Frame& request, wire::Result result) {
   send(frame);
 }
 
-bool send_state(uint8_t motor) {
+bool send_state(uint8_t drive) {
   wire::Frame frame = make_frame(wire::kind_state, last_number, wire::state::length);
-  frame.payload[wire::state::motor] = motor;
-  wire::put_i24(frame.payload + wire::state::position, motors::position(motor));
-  wire::put_i24(frame.payload + wire::state::target, motors::target(motor));
-  wire::put_u16(frame.payload + wire::state::flags, motors::flags(motor));
+  frame.payload[wire::state::drive] = drive;
+  wire::put_i24(frame.payload + wire::state::position, drives::position(drive));
+  wire::put_i24(frame.payload + wire::state::target, drives::target(drive));
+  wire::put_u16(frame.payload + wire::state::flags, drives::flags(drive));
   return send(frame);
 }
 
-wire::Result configure_board(const uint8_t* payload) {
-  if (payload[wire::board::motor_count] != chain::count()) return wire::result_no_motor;
-  for (uint8_t i = 0; i < chain::count(); ++i) {
-    if ((motors::flags(i) & wire::flag_moving) != 0) return wire::result_moving;
-  }
-  for (uint8_t i = 0; i < wire::board::length; ++i) board_configuration[i] = payload[i];
-  return wire::result_done;
-}
-
 wire::Result execute(const wire::Frame& frame) {
-  const uint8_t mask = frame.payload[0];
-  switch (frame.kind) {
-    case wire::kind_configure_board:
-      return configure_board(frame.payload);
-    case wire::kind_configure_motor:
-      return motors::configure(frame.payload);
-    case wire::kind_go_to:
-      return motors::go_to(mask, frame.payload + wire::go_to::positions);
-    case wire::kind_zero:
-      return motors::zero(mask);
-    case wire::kind_soft_stop:
-      return motors::soft_stop(mask);
-    case wire::kind_clear:
-      return motors::clear(mask);
-    default:
-      return wire::result_bad_value;
-  }
+  if (frame.kind != wire::kind_configure_board) return drives::execute(frame);
+  const wire::Result result = drives::configure_board(frame.payload[wire::board::drive_count]);
+  if (result != wire::result_done) return result;
+  for (uint8_t i = 0; i < wire::board::length; ++i) board_configuration[i] = frame.payload[i];
+  return wire::result_done;
 }
 
 // Each number is executed once, and only in its turn; the last one is answered again, as its answer may have been lost.
@@ -129,24 +104,24 @@ void watch_host() {
   if (session == wire::no_session || silent) return;
   if (watchdog_ms() == 0 || static_cast<uint16_t>(now - heard_at) <= watchdog_ms()) return;
   silent = true;
-  motors::stop_for_silence();
+  drives::stop_for_silence();
 }
 
 void send_states() {
   if (static_cast<int16_t>(now - states_due) >= 0) {
     states_due = now + state_period_ms;
-    motors::read_positions();
+    drives::measure();
     next_state = 0;
   }
-  if (next_state < chain::count() && send_state(next_state)) ++next_state;
+  if (next_state < drives::count() && send_state(next_state)) ++next_state;
 }
 
 // The end of a motion is reported at once.
 void send_stops() {
   bool read = false;
-  for (uint8_t i = 0; i < chain::count(); ++i) {
-    if (!motors::take_stopped(i)) continue;
-    if (!read) motors::read_positions();
+  for (uint8_t i = 0; i < drives::count(); ++i) {
+    if (!drives::take_arrived(i)) continue;
+    if (!read) drives::measure();
     read = true;
     send_state(i);
   }
@@ -161,9 +136,9 @@ void handle(const wire::Frame& frame) {
     welcome();  // names our version, whichever it is
   }
   if (frame.kind == wire::kind_emergency_stop) {
-    motors::emergency_stop();
+    drives::emergency_stop();
     acknowledge(frame, wire::result_done);
-  } else if (frame.kind >= wire::kind_configure_board && frame.kind <= wire::kind_clear) {
+  } else if (wire::is_numbered(frame.kind)) {
     handle_request(frame);
   }
   if (frame.session != session) return;
@@ -174,7 +149,7 @@ void handle(const wire::Frame& frame) {
 void tick(uint16_t now_ms) {
   now = now_ms;
   watch_host();
-  if (now % motors::poll_period_ms == 0) motors::poll();
+  drives::tick(now);
   if (session == wire::no_session) return;
   send_stops();
   send_states();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Answers the host's frames, reports the motors' states, and stops them when the host has been silent for too long.
+// Answers the host's frames, reports the drives' states, and stops them when the host has been silent for too long.
 #pragma once
 
 #include <stdint.h>

@@ -5,6 +5,8 @@
 #include <cassert>
 #include <utility>
 
+#include "words.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -20,13 +22,13 @@ Link::Link(LinkOptions options, std::uint16_t configuration_crc, OpenPort open_p
     : options_(options),
       configuration_crc_(configuration_crc),
       open_port_(std::move(open_port)),
-      session_(options.first_session),
-      backoff_s_(options.first_backoff_s) {
+      session_(options.first_session) {
+  times_.backoff_s = options_.first_backoff_s;
   if (session_ == wire::no_session) session_ = 1;
 }
 
 std::vector<LinkEvent> Link::update(double now_s) {
-  now_s_ = now_s;
+  times_.now_s = now_s;
   try {
     if (!port_) {
       try_to_open(now_s);
@@ -41,13 +43,13 @@ std::vector<LinkEvent> Link::update(double now_s) {
 }
 
 void Link::try_to_open(double now_s) {
-  if (now_s < attempt_s_) return;
+  if (now_s < times_.attempt_s) return;
   port_ = open_port_();
   decoder_ = {};
   damaged_before_ = 0;
   state_ = State::greeting;
   session_ = next_session(session_);
-  heard_s_ = now_s;
+  times_.heard_s = now_s;
   greet(now_s);
 }
 
@@ -58,7 +60,7 @@ void Link::greet(double now_s) {
   frame.payload[wire::hello::version] = wire::protocol_version;
   port_->write({0});  // ends whatever the board has heard of a frame so far
   send(frame, now_s);
-  greeted_s_ = now_s;
+  times_.greeted_s = now_s;
 }
 
 void Link::send(const wire::Frame& frame, double now_s) {
@@ -67,7 +69,7 @@ void Link::send(const wire::Frame& frame, double now_s) {
   std::vector<std::uint8_t> bytes(wire::max_encoded);
   bytes.resize(wire::encode(stamped, bytes.data()));
   port_->write(bytes);
-  sent_s_ = now_s;
+  times_.sent_s = now_s;
   ++counts_.sent;
 }
 
@@ -91,11 +93,11 @@ void Link::handle(const wire::Frame& frame, double now_s) {
     if (ours) handle_acknowledgement(frame, now_s);
   }
   if (!ours && frame.kind != wire::kind_welcome) return;
-  heard_s_ = now_s;
+  times_.heard_s = now_s;
   if (frame.kind == wire::kind_welcome && state_ == State::greeting) handle_welcome(frame);
   if (frame.kind == wire::kind_state && state_ == State::open) {
-    events_.push_back(MotorReport{
-        frame.payload[wire::state::motor], wire::get_i24(frame.payload + wire::state::position),
+    events_.push_back(DriveReport{
+        frame.payload[wire::state::drive], wire::get_i24(frame.payload + wire::state::position),
         wire::get_i24(frame.payload + wire::state::target), wire::get_u16(frame.payload + wire::state::flags)});
   }
 }
@@ -106,14 +108,20 @@ void Link::handle_welcome(const wire::Frame& frame) {
     throw PortError("the board speaks protocol " + std::to_string(version) + ", this driver " +
                     std::to_string(wire::protocol_version) + ": flash its firmware again");
   }
+  const std::uint8_t firmware = frame.payload[wire::welcome::firmware];
+  if (firmware != options_.firmware) {
+    throw PortError("the board runs the firmware for " + words_of_firmware(firmware) + ", the rig's file lists " +
+                    words_of_firmware(options_.firmware) +
+                    ": take the right file or board, or flash the other firmware");
+  }
   if (frame.session != session_) return;
   const bool same = wire::get_u16(frame.payload + wire::welcome::configuration_crc) == configuration_crc_;
   state_ = State::open;
   last_number_ = frame.number;
-  backoff_s_ = options_.first_backoff_s;
+  times_.backoff_s = options_.first_backoff_s;
   last_failure_.clear();
   ++counts_.opened;
-  events_.push_back(LinkOpened{same, frame.payload[wire::welcome::motor_count]});
+  events_.push_back(LinkOpened{same, frame.payload[wire::welcome::drive_count]});
   settle_request(same, frame.number);
 }
 
@@ -122,7 +130,7 @@ void Link::handle_welcome(const wire::Frame& frame) {
 void Link::settle_request(bool same_board, std::uint8_t last_number) {
   if (!request_) return;
   if (same_board && request_->frame.number == last_number) {
-    request_->sent_s = now_s_ - options_.resend_s;
+    request_->sent_s = times_.now_s - options_.resend_s;
     return;
   }
   events_.push_back(RequestLost{request_->frame.kind});
@@ -143,18 +151,18 @@ void Link::handle_acknowledgement(const wire::Frame& frame, double now_s) {
 
 void Link::keep_up(double now_s) {
   if (state_ == State::greeting) {
-    if (now_s - heard_s_ > options_.greeting_s) throw PortError("no answer from the board");
-    if (now_s - greeted_s_ >= greeting_period_s) greet(now_s);
+    if (now_s - times_.heard_s > options_.greeting_s) throw PortError("no answer from the board");
+    if (now_s - times_.greeted_s >= greeting_period_s) greet(now_s);
     return;
   }
   if (state_ != State::open) return;
-  if (now_s - heard_s_ > options_.lost_s) throw PortError("the board went silent");
+  if (now_s - times_.heard_s > options_.lost_s) throw PortError("the board went silent");
   if (request_ && now_s - request_->sent_s >= options_.resend_s) {
     request_->sent_s = now_s;
     ++counts_.resent;
     send(request_->frame, now_s);
   }
-  if (now_s - sent_s_ >= options_.alive_s) {
+  if (now_s - times_.sent_s >= options_.alive_s) {
     wire::Frame alive;
     alive.kind = wire::kind_alive;
     send(alive, now_s);
@@ -182,16 +190,16 @@ void Link::emergency_stop() {
   frame.kind = wire::kind_emergency_stop;
   frame.number = last_number_;  // its answer must not pass for that of the request under way
   try {
-    send(frame, now_s_);
+    send(frame, times_.now_s);
   } catch (const PortError& error) {
-    lose(error.what(), now_s_);
+    lose(error.what(), times_.now_s);
   }
 }
 
 void Link::lose(const std::string& reason, double now_s) {
   port_.reset();
-  attempt_s_ = now_s + backoff_s_;
-  backoff_s_ = std::min(2.0 * backoff_s_, options_.last_backoff_s);
+  times_.attempt_s = now_s + times_.backoff_s;
+  times_.backoff_s = std::min(2.0 * times_.backoff_s, options_.last_backoff_s);
   const bool was_open = state_ == State::open;
   state_ = State::closed;
   if (was_open) ++counts_.lost;

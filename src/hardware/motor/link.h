@@ -16,7 +16,8 @@
 namespace soft_robot_lab {
 
 struct LinkOptions {
-  double resend_s = 0.02;         // a request that was not answered is sent again
+  wire::Firmware firmware = wire::firmware_motors;  // that the board has to run
+  double resend_s = 0.02;                           // a request that was not answered is sent again
   double alive_s = 0.04;          // something is sent at least so often: a noisy line loses some of it
   double lost_s = 0.3;            // without a sound frame the link counts as lost
   double greeting_s = 3.0;        // a board that was reset by opening the port boots first
@@ -27,7 +28,7 @@ struct LinkOptions {
 
 struct LinkOpened {
   bool same_configuration;  // the board still has ours; else it has been reset, or had another host
-  int motor_count;
+  int drive_count;
 };
 struct LinkLost {
   std::string reason;
@@ -40,13 +41,13 @@ struct RequestAnswered {
 struct RequestLost {
   std::uint8_t kind;
 };
-struct MotorReport {
-  int motor;
-  std::int32_t position_microsteps;
-  std::int32_t target_microsteps;
+struct DriveReport {
+  int drive;
+  std::int32_t position;  // microsteps, or Pa
+  std::int32_t target;    // likewise
   std::uint16_t flags;
 };
-using LinkEvent = std::variant<LinkOpened, LinkLost, RequestAnswered, RequestLost, MotorReport>;
+using LinkEvent = std::variant<LinkOpened, LinkLost, RequestAnswered, RequestLost, DriveReport>;
 
 struct LinkCounts {
   std::int64_t sent = 0, resent = 0, received = 0, damaged = 0, opened = 0, lost = 0;
@@ -60,7 +61,7 @@ class Link {
   bool open() const { return state_ == State::open; }
   bool busy() const { return request_.has_value(); }
   void request(wire::Kind kind, const std::vector<std::uint8_t>& payload, double now_s);  // needs open() and not busy()
-  void emergency_stop();  // sent at once where there is a port; ask again until the motors report it
+  void emergency_stop();  // sent at once where there is a port; ask again until the drives report it
   const LinkCounts& counts() const { return counts_; }
 
  private:
@@ -68,6 +69,14 @@ class Link {
   struct Request {
     wire::Frame frame;
     double sent_s;
+  };
+
+  // When these were last done, or are due.
+  struct Times {
+    double now_s = 0.0;
+    double heard_s = 0.0, sent_s = 0.0, greeted_s = 0.0;
+    double attempt_s = 0.0;  // the next one to open
+    double backoff_s = 0.0;  // after it
   };
 
   void try_to_open(double now_s);
@@ -91,9 +100,7 @@ class Link {
   std::optional<Request> request_;
   std::uint8_t session_;
   std::uint8_t last_number_ = 0;
-  double now_s_ = 0.0;
-  double heard_s_ = 0.0, sent_s_ = 0.0, greeted_s_ = 0.0, attempt_s_ = 0.0;
-  double backoff_s_;
+  Times times_;
   std::string last_failure_;
   std::vector<LinkEvent> events_;
   LinkCounts counts_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include "framing.h"
 #include "l6470.h"
@@ -84,21 +85,38 @@ MotorSettings read_motor(const YamlNode& node, const DriveSettings& drive) {
   return motor;
 }
 
+std::vector<MotorSettings> read_motors(const YamlNode& node) {
+  const auto common = node.optional_child("drive");
+  const DriveSettings drive = common ? read_drive(*common, {}) : DriveSettings{};
+  std::vector<MotorSettings> motors;
+  for (const YamlNode& item : node.sequence("motors")) motors.push_back(read_motor(item, drive));
+  if (motors.empty() || motors.size() > wire::max_motors) {
+    node.fail("motors: " + std::to_string(motors.size()) + " is not in [1, 6]");
+  }
+  return motors;
+}
+
+void require_different_names(const YamlNode& node, const RigSettings& rig) {
+  const auto items = node.sequence(rig.channels.empty() ? "motors" : "channels");
+  const auto limits = drive_limits(rig);
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < limits.size(); ++i)
+    if (!names.insert(limits[i].name).second) items[i].fail("name: '" + limits[i].name + "' again");
+}
+
 RigSettings read_rig(const YamlNode& node) {
   RigSettings rig;
   rig.device = node.text("device");
   rig.watchdog_s = node.number_or("watchdog_s", rig.watchdog_s, {0.1, 60.0});
   rig.min_command_period_s = node.number_or("min_command_period_s", rig.min_command_period_s, {0.0, 10.0});
-  const auto common = node.optional_child("drive");
-  const DriveSettings drive = common ? read_drive(*common, {}) : DriveSettings{};
-  std::set<std::string> names;
-  for (const YamlNode& item : node.sequence("motors")) {
-    rig.motors.push_back(read_motor(item, drive));
-    if (!names.insert(rig.motors.back().name).second) item.fail("name: '" + rig.motors.back().name + "' again");
+  if (node.has("motors") && node.has("channels"))
+    node.fail("motors, channels: a board has motors or pressure channels, not both; give each its own file");
+  if (node.has("channels")) {
+    rig.channels = read_channels(node);
+  } else {
+    rig.motors = read_motors(node);
   }
-  if (rig.motors.empty() || rig.motors.size() > wire::max_motors) {
-    node.fail("motors: " + std::to_string(rig.motors.size()) + " is not in [1, 6]");
-  }
+  require_different_names(node, rig);
   node.require_all_read();
   return rig;
 }
@@ -131,7 +149,7 @@ double value_of(const MotorSettings& motor, double steps) {
 
 std::vector<std::uint8_t> board_payload(const RigSettings& rig) {
   std::vector<std::uint8_t> bytes(wire::board::length);
-  bytes[wire::board::motor_count] = static_cast<std::uint8_t>(rig.motors.size());
+  bytes[wire::board::drive_count] = static_cast<std::uint8_t>(drive_limits(rig).size());
   wire::put_u16(&bytes[wire::board::watchdog_ms], to_units(rig.watchdog_s, 1e-3));
   return bytes;
 }
@@ -158,13 +176,41 @@ std::vector<std::uint8_t> motor_payload(const RigSettings& rig, int index) {
   return bytes;
 }
 
+std::vector<BoardRequest> configuration(const RigSettings& rig) {
+  std::vector<BoardRequest> requests{{wire::kind_configure_board, board_payload(rig)}};
+  for (std::size_t i = 0; i < rig.motors.size(); ++i)
+    requests.push_back({wire::kind_configure_motor, motor_payload(rig, static_cast<int>(i))});
+  for (std::size_t i = 0; i < rig.channels.size(); ++i)
+    requests.push_back({wire::kind_configure_channel, channel_payload(rig.channels[i], static_cast<int>(i))});
+  return requests;
+}
+
 std::uint16_t configuration_crc(const RigSettings& rig) {
-  const auto board = board_payload(rig);
-  std::uint16_t crc = wire::crc16(board.data(), wire::board::length);
-  for (std::size_t i = 0; i < rig.motors.size(); ++i) {
-    crc = wire::crc16(motor_payload(rig, static_cast<int>(i)).data(), wire::motor::length, crc);
-  }
+  std::uint16_t crc = wire::crc_start;
+  for (const BoardRequest& request : configuration(rig))
+    crc = wire::crc16(request.payload.data(), static_cast<std::uint8_t>(request.payload.size()), crc);
   return crc;
+}
+
+std::vector<DriveLimits> drive_limits(const RigSettings& rig) {
+  std::vector<DriveLimits> limits(rig.motors.begin(), rig.motors.end());
+  limits.insert(limits.end(), rig.channels.begin(), rig.channels.end());
+  return limits;
+}
+
+std::string why_not_driven(const RigSettings& rig, int drives_of_board) {
+  const std::string there = std::to_string(drives_of_board);
+  const auto listed = static_cast<int>(drive_limits(rig).size());
+  if (rig.channels.empty() && drives_of_board != listed)
+    return "the board found " + there + " motor drivers, the rig's file lists " + std::to_string(listed);
+  if (!rig.channels.empty() && drives_of_board < listed)
+    return "the board has " + there + " pressure channels, the rig's file lists " + std::to_string(listed);
+  return "";
+}
+
+void require_motors(const RigSettings& rig, const std::string& who) {
+  if (rig.motors.empty())
+    throw std::invalid_argument("channels: " + who + " takes a rig of motors, not of pressure channels");
 }
 
 double driven_speed(const DriveSettings& drive) {

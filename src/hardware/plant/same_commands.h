@@ -9,8 +9,8 @@
 
 namespace soft_robot_lab {
 
-// Throws std::invalid_argument, naming both files, where an actuator of the scene has no motor, or one that takes its
-// command in another unit or for another thing.
+// Throws std::invalid_argument, naming both files, where an actuator of the scene has no motor or channel, or one that
+// takes its command in another unit or for another thing.
 void require_same_commands(const Simulation& simulation, const std::string& scene_file, const RigSettings& rig,
                            const std::string& rig_file);
 

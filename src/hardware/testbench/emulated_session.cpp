@@ -6,13 +6,15 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double update_period_s = 0.005;
-constexpr double least_step_s = 1e-6;
+int motor_count(const RigSettings& rig) {
+  require_motors(rig, "this emulated session");
+  return static_cast<int>(rig.motors.size());
+}
 
 }  // namespace
 
 EmulatedSession::EmulatedSession(const RigSettings& rig_settings, std::uint64_t seed, const std::string& program)
-    : settings(rig_settings), rig(static_cast<int>(settings.motors.size()), seed, program) {
+    : LockStepSession(motor_count(rig_settings), seed, program), settings(rig_settings) {
   start_driver(true);
 }
 
@@ -21,25 +23,6 @@ void EmulatedSession::start_driver(bool zero_at_start) {
   options.zero_at_start = zero_at_start;
   options.first_session = ++drivers_;
   driver_ = std::make_unique<MotorDriver>(settings, options, rig.ports());
-}
-
-void EmulatedSession::step(double limit_s) {
-  if (driver_) driver_->update(rig.time_s());
-  rig.run(std::clamp(limit_s, least_step_s, update_period_s));
-  if (driver_) driver_->update(rig.time_s());
-}
-
-void EmulatedSession::run(double duration_s) {
-  run_until([] { return false; }, duration_s);
-}
-
-bool EmulatedSession::run_until(const std::function<bool()>& reached, double limit_s) {
-  const double end_s = rig.time_s() + limit_s;
-  while (!reached()) {
-    if (rig.time_s() >= end_s) return false;
-    step(end_s - rig.time_s());
-  }
-  return true;
 }
 
 bool EmulatedSession::run_until_ready() {
@@ -57,16 +40,6 @@ bool EmulatedSession::at_rest() const {
 
 bool EmulatedSession::run_until_rest(double limit_s) {
   return run_until([this] { return at_rest(); }, limit_s);
-}
-
-void EmulatedSession::command(const std::vector<std::string>& names, const std::vector<double>& values) {
-  driver_->command(names, values, rig.time_s());
-  driver_->update(rig.time_s());
-}
-
-bool EmulatedSession::finish_operation() {
-  return run_until([this] { return driver_->operation() != OperationState::running; }) &&
-         driver_->operation() == OperationState::done;
 }
 
 }  // namespace soft_robot_lab

@@ -35,6 +35,15 @@ std::vector<ShaftTruth> read_shafts(const std::string& text) {
   return shafts;
 }
 
+std::vector<double> read_pressures(const std::string& text) {
+  std::istringstream words(text);
+  double time_us = 0.0;
+  words >> time_us;
+  std::vector<double> pressures_pa;
+  for (double pressure_pa = 0.0; words >> pressure_pa;) pressures_pa.push_back(pressure_pa);
+  return pressures_pa;
+}
+
 RigControl::RigControl(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -57,5 +66,7 @@ std::string RigControl::ask(const std::string& command) {
 }
 
 std::vector<ShaftTruth> RigControl::shafts() { return read_shafts(ask("shafts")); }
+
+std::vector<double> RigControl::pressures_pa() { return read_pressures(ask("pressures")); }
 
 }  // namespace soft_robot_lab

@@ -26,6 +26,7 @@ class RigControl {
   // gone.
   std::string ask(const std::string& command);
   std::vector<ShaftTruth> shafts();
+  std::vector<double> pressures_pa();  // gauge, in the chambers
 
  private:
   std::unique_ptr<LineSocket> lines_;

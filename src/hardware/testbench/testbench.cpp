@@ -30,10 +30,11 @@ void append_hex(const std::string& text, std::vector<std::uint8_t>& bytes) {
   }
 }
 
-std::vector<std::string> command(const std::string& program, int motors, std::uint64_t seed) {
+std::vector<std::string> command(const std::string& program, const std::string& option, const std::string& value,
+                                 std::uint64_t seed) {
   const std::string found = program.empty() ? find_program("rig_emulator") : program;
   if (found.empty()) throw std::runtime_error("rig_emulator was not found beside this program, nor on PATH");
-  return {found, "--lock-step", "--motors", std::to_string(motors), "--seed", std::to_string(seed)};
+  return {found, "--lock-step", option, value, "--seed", std::to_string(seed)};
 }
 
 }  // namespace
@@ -66,7 +67,10 @@ class Testbench::LockStepPort : public Port {
 };
 
 Testbench::Testbench(int motors, std::uint64_t seed, const std::string& program)
-    : process_(std::make_unique<Process>(command(program, motors, seed))) {}
+    : process_(std::make_unique<Process>(command(program, "--motors", std::to_string(motors), seed))) {}
+
+Testbench::Testbench(const std::string& rig_file, std::uint64_t seed, const std::string& program)
+    : process_(std::make_unique<Process>(command(program, "--rig", rig_file, seed))) {}
 
 Testbench::~Testbench() = default;
 
@@ -83,6 +87,8 @@ void Testbench::run(double duration_s) {
 }
 
 std::vector<ShaftTruth> Testbench::shafts() { return read_shafts(ask("shafts")); }
+
+std::vector<double> Testbench::pressures_pa() { return read_pressures(ask("pressures")); }
 
 LineFaults Testbench::line_faults() {
   std::istringstream answer(ask("counts"));

@@ -20,6 +20,8 @@ class Testbench {
  public:
   // program: rig_emulator; empty: the one beside the running program, or on PATH. Throws std::runtime_error.
   explicit Testbench(int motors, std::uint64_t seed = 1, const std::string& program = "");
+  // Of the motors or pressure channels that this file lists.
+  explicit Testbench(const std::string& rig_file, std::uint64_t seed = 1, const std::string& program = "");
   ~Testbench();
 
   double time_s() const { return time_s_; }
@@ -31,6 +33,7 @@ class Testbench {
   // refuses.
   std::string ask(const std::string& command);
   std::vector<ShaftTruth> shafts();
+  std::vector<double> pressures_pa();  // gauge, in the chambers
   LineFaults line_faults();
   void unplug();
   void replug();

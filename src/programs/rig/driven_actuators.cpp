@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kMostContraction = 1.2;  // how far a spool lets a cable out
 constexpr double kShareOfSyringe = 0.9;   // a shaft may overshoot, and stay within the robot's limits
+constexpr double kShareOfPressure = 0.9;  // so may a pressure
 
 struct Item {
   std::string section;
@@ -44,10 +45,19 @@ void read_cable(const Item& item, const CommandLimits& limits, const ActuatorRea
   drive.length_offset_m = item.settings.number_or("length_offset_m", 0.0);
 }
 
+void read_air(const Item& item, const CommandLimits& limits, Driven& drive) {
+  if (!item.settings.has("max_gauge_pressure_pa"))
+    item.settings.fail("max_gauge_pressure_pa: missing; a pressure channel needs a limit that the robot bears");
+  drive.air = true;
+  drive.max_command = kShareOfPressure * limits.max;
+}
+
 void read_chamber(const Item& item, const CommandLimits& limits, Driven& drive) {
+  if (limits.unit == "Pa") return read_air(item, limits, drive);
   if (limits.unit != "ml")
     item.settings.fail(
-        "command: must be syringe or volume_offset: a motor of a rig moves a plunger, and its command is in ml");
+        "command: must be syringe, volume_offset or gauge_pressure: a motor of a rig moves a plunger, and its command "
+        "is in ml, or a pressure channel fills the chamber");
   if (!item.settings.has("syringe_volume_ml") && !item.settings.has("max_offset_ml"))
     item.settings.fail("max_offset_ml: missing; a motor needs a limit that the robot bears, at least 0");
   drive.syringe = true;
@@ -55,6 +65,18 @@ void read_chamber(const Item& item, const CommandLimits& limits, Driven& drive) 
   drive.max_command = kShareOfSyringe * limits.max;
   drive.speed = item.settings.number_or("flow_ml_s", 0.0);
   drive.tube_volume_ml = item.settings.number_or("tube_volume_ml", 0.0);
+}
+
+// One board has the one kind or the other.
+void require_one_kind(const YamlNode& robot, const std::vector<Driven>& drives) {
+  const auto air = static_cast<std::size_t>(
+      std::count_if(drives.begin(), drives.end(), [](const Driven& drive) { return drive.air; }));
+  if (air != 0 && air != drives.size())
+    throw std::invalid_argument(robot.source() + ": has chambers by gauge_pressure beside other actuators; a rig's " +
+                                "board drives motors or pressure channels, not both");
+  if (air > wire::max_channels)
+    throw std::invalid_argument(robot.source() + ": has " + std::to_string(air) + " chambers; a rig's board has 1 to " +
+                                std::to_string(wire::max_channels) + " pressure channels");
 }
 
 }  // namespace
@@ -82,6 +104,7 @@ std::vector<Driven> driven_actuators(const YamlNode& robot, const Simulation& si
     }
     drives.push_back(drive);
   }
+  require_one_kind(robot, drives);
   return drives;
 }
 

@@ -115,6 +115,15 @@ void write_differing_body(std::ostream& text, const YamlNode& robot, const Simul
     text << "    hysteresis: {stiffness_ratio: 0.1, relaxation_time_s: 3}   # it creeps for some seconds\n";
 }
 
+// The least of 1, 2, 5, 10, 20 ... kPa that leaves room to see a pressure beyond the limit.
+double sensor_range_pa(double most_pa) {
+  constexpr double kRoom = 1.1;
+  for (double decade_pa = 1000.0; decade_pa < 1e6; decade_pa *= 10.0)
+    for (const double factor : {1.0, 2.0, 5.0})
+      if (factor * decade_pa >= kRoom * most_pa) return factor * decade_pa;
+  return 3.0e6;  // where two hundredths are as much as a tolerance can be
+}
+
 // A colour of the stickers, as a tracker looks for it.
 struct Hue {
   std::string name;
@@ -159,6 +168,27 @@ std::string motors_text(const std::string& name, const std::vector<Driven>& driv
   return text.str();
 }
 
+bool by_air(const std::vector<Driven>& drives) { return drives.front().air; }
+
+std::string pressures_text(const std::string& name, const std::vector<Driven>& drives) {
+  double most_pa = 0.0;
+  for (const Driven& drive : drives) most_pa = std::max(most_pa, drive.max_command);
+  const double range_pa = sensor_range_pa(most_pa);
+  std::ostringstream text;
+  text << "# The rig that fills " << one_line(name) << ", as new_rig wrote it: for each chamber a pair of valves and a "
+       << "sensor.\n# Commands are gauge pressures [Pa], up to nine tenths of what the robot's file allows.\n"
+       << "device: /dev/soft_robot_lab_rig     # by config/udev/99-soft-robot-lab.rules, or a name below "
+          "/dev/serial/by-id\nwatchdog_s: 0.5                     # then the air is let out\nsensor: {full_pa: "
+       << format_number(range_pa)
+       << ", zero_v: 0.5, full_v: 4.5}\nwatch: {tolerance_pa: " << format_number(0.02 * range_pa)
+       << ", least_change_pa: " << format_number(0.003 * range_pa)
+       << ", fault_s: 0.3}\nchannels:                           # in the order of the board's pins\n";
+  for (const Driven& drive : drives)
+    text << "  - {name: " << yaml_word(drive.name) << ", max_pa: " << format_number(drive.max_command)
+         << ", valves: {deadband_pa: " << format_number(0.01 * range_pa) << "}}\n";
+  return text.str();
+}
+
 std::string plant_text(const std::string& name, const std::string& include, const YamlNode& robot,
                        const Simulation& simulation, const std::vector<Driven>& drives, const CameraSetup& cameras) {
   std::ostringstream text;
@@ -169,14 +199,14 @@ std::string plant_text(const std::string& name, const std::string& include, cons
   for (const std::string section : {"cables", "chambers", "actuators"}) {
     bool begun = false;
     for (std::size_t i = 0; i < drives.size(); ++i) {
-      if (drives[i].section != section) continue;
+      if (drives[i].section != section || drives[i].air) continue;
       if (!begun) text << "  " << section << ":\n";
       begun = true;
       drives[i].syringe ? write_differing_chamber(text, drives[i], i) : write_differing_cable(text, drives[i], i);
     }
   }
-  text << "backlash_steps:                         # of spools, and of spindles and plungers\n";
-  for (std::size_t i = 0; i < drives.size(); ++i)
+  if (!by_air(drives)) text << "backlash_steps:                         # of spools, and of spindles and plungers\n";
+  for (std::size_t i = 0; i < drives.size() && !by_air(drives); ++i)
     text << "  " << yaml_word(drives[i].name) << ": "
          << (drives[i].syringe ? kSyringePlay_steps : kCablePlay_steps)[i % std::size(kCablePlay_steps)] << "\n";
   text << "cameras:                                # each stands 2 mm beside where it is believed, a little turned\n";

@@ -40,9 +40,10 @@ constexpr char twin_surface[] = "twin/surface";      // latched: the skin under 
 constexpr char twin_arrows[] = "twin/arrows";        // visualization_msgs/MarkerArray: the loads
 constexpr char twin_untouched[] = "twin/untouched";  // std_srvs/Trigger: nothing touches the robot now
 constexpr char motor_state[] = "motor/state";
-constexpr char rig_shafts[] = "rig/shafts";        // of an emulated rig: the truth
-constexpr char plant_markers[] = "plant/markers";  // of the robot that it moves: the truth
-constexpr char plant_pull[] = "plant/pull";        // SkinPull: someone pushes it
+constexpr char pressure_state[] = "pressure/state";  // of a rig of air
+constexpr char rig_shafts[] = "rig/shafts";          // of an emulated rig: the truth
+constexpr char plant_markers[] = "plant/markers";    // of the robot that it moves: the truth
+constexpr char plant_pull[] = "plant/pull";          // SkinPull: someone pushes it
 constexpr char plant_surface[] = "plant/surface";
 
 constexpr char session_recording[] = "session/recording";  // std_msgs/Bool, latched

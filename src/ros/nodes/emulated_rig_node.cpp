@@ -20,8 +20,8 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr const char* kEmulatedRigAbout =
-    R"(Publishes where the shafts of an emulated rig really are, and passes requests for
-faults on to it. Where the line to the emulator breaks, it connects again; without one, it fails.
+    R"(Publishes where the shafts of an emulated rig really are, or which pressures its
+chambers really have, and passes requests for faults on to it. Where the line to the emulator breaks, it connects again; without one, it fails.
 
 Parameters: ~rig (path), ~control (the emulator's socket), ~plant (path: the backlash that its motors really have;
 absent: none).)";
@@ -69,7 +69,8 @@ class EmulatedRigNode {
   void publish() {
     if (!control_) return;
     try {
-      shafts_.publish(shaft_state(rig_, control_->shafts(), ros::Time::now()));
+      shafts_.publish(rig_.channels.empty() ? shaft_state(rig_, control_->shafts(), ros::Time::now())
+                                            : shaft_state(rig_, control_->pressures_pa(), ros::Time::now()));
     } catch (const std::runtime_error& error) {
       ROS_WARN("%s", log_text(error.what()).c_str());
       connect_again();

@@ -16,6 +16,7 @@
 #include "read_parameter.h"
 #include "run_node.h"
 #include "hardware/motor/motor_driver.h"
+#include "hardware/motor/pressure_driver.h"
 #include "hardware/motor/serial_port.h"
 #include "ros/base/log_text.h"
 #include "ros/messages/message_limits.h"
@@ -25,10 +26,10 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kMotorAbout = R"(Drives the rig's motors by actuators/command.
+constexpr const char* kMotorAbout = R"(Drives the rig's motors, or its pressure channels, by actuators/command.
 
-Parameters: ~rig (path), ~device (instead of the one in the rig's file), ~zero_at_start (the robot hangs at rest
-when the rig gets power: take that for zero).)";
+Parameters: ~rig (path), ~device (instead of the one in the rig's file), ~zero_at_start (of motors: the
+robot hangs at rest when the rig gets power: take that for zero).)";
 
 using SteadyClock = std::chrono::steady_clock;
 
@@ -51,23 +52,24 @@ DriverOptions read_options(const ros::NodeHandle& node) {
   return options;
 }
 
-class MotorNode {
+// What is the same for motors and for air: topics, services, the lamp and the loop.
+template <class Driver>
+class DriveNode {
  public:
-  MotorNode(const RigSettings& rig, const DriverOptions& options)
+  DriveNode(const RigSettings& rig, const DriverOptions& options)
       : driver_(rig, options, [device = rig.device] { return open_serial_port(device); }) {
     state_ = node_.advertise<MotorState>(topics::motor_state, 10);
-    commands_ = node_.subscribe(topics::actuator_command, 100, &MotorNode::on_command, this);
-    zero_ = node_.advertiseService(topics::motor_zero, &MotorNode::zero, this);
-    stop_ = node_.advertiseService(topics::motor_stop, &MotorNode::stop, this);
-    clear_ = node_.advertiseService(topics::motor_clear, &MotorNode::clear, this);
+    commands_ = node_.subscribe(topics::actuator_command, 100, &DriveNode::on_command, this);
+    stop_ = node_.advertiseService(topics::motor_stop, &DriveNode::stop, this);
+    clear_ = node_.advertiseService(topics::motor_clear, &DriveNode::clear, this);
     diagnostics_.setHardwareID(rig.device);
-    diagnostics_.add("motors", [this](auto& status) { diagnose_motors(driver_, status); });
+    diagnostics_.add("motors", [this](auto& status) { diagnose(driver_, status); });
     diagnostics_timer_ =
         node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
-    state_timer_ = node_.createSteadyTimer(ros::WallDuration(state_period_s), [this](const auto&) {
-      state_.publish(motor_state(driver_, ros::Time::now()));
-    });
+    state_timer_ =
+        node_.createSteadyTimer(ros::WallDuration(state_period_s), [this](const auto&) { publish(ros::Time::now()); });
   }
+  virtual ~DriveNode() = default;
 
   void run() {
     while (ros::ok()) {
@@ -78,12 +80,13 @@ class MotorNode {
     finish(0.3);
   }
 
- private:
+ protected:
+  virtual void publish(const ros::Time& stamp) { state_.publish(motor_state(driver_, stamp)); }
+
   static constexpr double state_period_s = 0.02;
   static constexpr double poll_period_s = 0.002;
   static constexpr double longest_start_s = 2.0;
   static constexpr double longest_operation_s = 2.0;
-  static constexpr double longest_report_s = 0.2;  // of states that come each 20 ms
 
   void update() {
     driver_.update(now_s());
@@ -125,6 +128,50 @@ class MotorNode {
     }
   }
 
+  template <typename Response>
+  bool answer(Response& response, const std::string& done) {
+    finish(longest_operation_s);
+    response.success = driver_.operation() == OperationState::done;
+    response.message = response.success ? done : driver_.operation_failure();
+    if (!response.success && response.message.empty()) response.message = "no answer in time";
+    return true;
+  }
+
+  bool stop(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+    driver_.emergency_stop();
+    update();
+    response.success = true;
+    response.message = driver_.linked() ? "emergency stop sent" : "emergency stop is sent as soon as there is a link";
+    return true;
+  }
+
+  bool clear(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+    driver_.clear();
+    return answer(response, "faults and emergency stop cleared");
+  }
+
+  Driver driver_;
+  const double started_s_ = now_s();
+  std::optional<std::string> logged_failure_;  // empty: a link; none: nothing was said yet
+  ros::NodeHandle node_;
+
+ private:
+  ros::Publisher state_;
+  ros::Subscriber commands_;
+  ros::ServiceServer stop_, clear_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::SteadyTimer diagnostics_timer_, state_timer_;
+};
+
+class MotorNode : public DriveNode<MotorDriver> {
+ public:
+  MotorNode(const RigSettings& rig, const DriverOptions& options) : DriveNode(rig, options) {
+    zero_ = node_.advertiseService(topics::motor_zero, &MotorNode::zero, this);
+  }
+
+ private:
+  static constexpr double longest_report_s = 0.2;  // of states that come each 20 ms
+
   bool at_zero(const std::vector<std::string>& names) const {
     const std::vector<MotorStatus> motors = driver_.motors();
     for (std::size_t i = 0; i < motors.size(); ++i) {
@@ -142,15 +189,6 @@ class MotorNode {
     }
   }
 
-  template <typename Response>
-  bool answer(Response& response, const std::string& done) {
-    finish(longest_operation_s);
-    response.success = driver_.operation() == OperationState::done;
-    response.message = response.success ? done : driver_.operation_failure();
-    if (!response.success && response.message.empty()) response.message = "no answer in time";
-    return true;
-  }
-
   bool zero(ZeroMotors::Request& request, ZeroMotors::Response& response) {
     try {
       driver_.zero(request.names);
@@ -160,40 +198,42 @@ class MotorNode {
     }
     finish(longest_operation_s);
     wait_for_zero(request.names);  // the board says that it is done before it reports where the motors are
-    state_.publish(motor_state(driver_, ros::Time::now()));
+    publish(ros::Time::now());
     return answer(response, "here is zero");
   }
 
-  bool stop(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
-    driver_.emergency_stop();
-    update();
-    response.success = true;
-    response.message = driver_.linked() ? "emergency stop sent" : "emergency stop is sent as soon as there is a link";
-    return true;
-  }
-
-  bool clear(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
-    driver_.clear();
-    return answer(response, "faults and emergency stop cleared");
-  }
-
-  MotorDriver driver_;
-  const double started_s_ = now_s();
-  std::optional<std::string> logged_failure_;  // empty: a link; none: nothing was said yet
-  ros::NodeHandle node_;
-  ros::Publisher state_;
-  ros::Subscriber commands_;
-  ros::ServiceServer zero_, stop_, clear_;
-  diagnostic_updater::Updater diagnostics_;
-  ros::SteadyTimer diagnostics_timer_, state_timer_;
+  ros::ServiceServer zero_;
 };
+
+class PressureNode : public DriveNode<PressureDriver> {
+ public:
+  PressureNode(const RigSettings& rig, const DriverOptions& options) : DriveNode(rig, options) {
+    pressures_ = node_.advertise<PressureState>(topics::pressure_state, 10);
+  }
+
+ private:
+  void publish(const ros::Time& stamp) override {
+    DriveNode::publish(stamp);
+    pressures_.publish(pressure_state(driver_, stamp));
+  }
+
+  ros::Publisher pressures_;
+};
+
+void run_driver(const RigSettings& rig, const DriverOptions& options) {
+  if (rig.channels.empty()) {
+    MotorNode(rig, options).run();
+  } else {
+    PressureNode(rig, options).run();
+  }
+}
 
 }  // namespace
 
 int motor_node(int argc, char** argv) {
   return run_node(argc, argv, "motor", kMotorAbout, [] {
     const ros::NodeHandle node("~");
-    MotorNode(read_rig(node), read_options(node)).run();
+    run_driver(read_rig(node), read_options(node));
   });
 }
 

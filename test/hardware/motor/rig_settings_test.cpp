@@ -30,7 +30,7 @@ TEST(RigSettings, ReadsEveryRigOfThePackage) {
   int rigs = 0;
   for (const auto& file : std::filesystem::recursive_directory_iterator(SOFT_ROBOT_LAB_SOURCE "/config")) {
     if (file.path().filename() != "motors.yaml" && file.path().parent_path().filename() != "motors") continue;
-    EXPECT_FALSE(load_rig(file.path()).motors.empty()) << file.path();
+    EXPECT_FALSE(drive_limits(load_rig(file.path())).empty()) << file.path();
     ++rigs;
   }
   EXPECT_GE(rigs, 5);
@@ -105,6 +105,51 @@ TEST(RigSettings, RefusesWhatARigCannotBe) {
       {rig_with(cable, "min_command_period_s: -1\n"), "min_command_period_s"},
       {rig_with(cable) + "  - {name: a, " + cable + "}\n", "'a' again"},
       {"device: /dev/null\nmotors: []\n", "motors: 0 is not in [1, 6]"}};
+  for (const auto& [yaml, message] : table) {
+    EXPECT_NE(refusal(yaml).find(message), std::string::npos) << yaml << "said: " << refusal(yaml);
+  }
+}
+
+std::string channels_with(const std::string& channel, const std::string& top = "sensor: {full_pa: 100000}\n") {
+  return "device: /dev/null\n" + top + "channels:\n  - {name: a, " + channel + "}\n";
+}
+
+const std::string valves = "max_pa: 40000, valves: {deadband_pa: 1000}";
+
+TEST(RigSettings, GivesTheBoardChannels) {
+  const RigSettings rig = parse_rig(channels_with(valves), "rig.yaml");
+  EXPECT_EQ(rig.firmware(), wire::firmware_pressures);
+  const auto payload = channel_payload(rig.channels[0], 1);
+  EXPECT_EQ(payload, (std::vector<std::uint8_t>{1,    0x66, 0x06, 0x9a, 0x39, 0xa0, 0x86, 1,    0, 0,    0,
+                                                0x40, 0x9c, 0,    0xe8, 3,    0xd0, 7,    0x2c, 1, 0x2c, 1}));
+  const RigSettings regulated =
+      parse_rig(channels_with("max_pa: 40000, regulator: {full_pa: 50000}, sensor: {full_pa: 60000, zero_v: 1}"), "r");
+  EXPECT_EQ(regulated.channels[0].output_pa, 50000);
+  EXPECT_EQ(regulated.channels[0].sensor.zero_v, 1.0);
+  EXPECT_EQ(regulated.channels[0].sensor.full_v, 4.5);
+}
+
+TEST(RigSettings, RefusesWhatAPressureRigCannotBe) {
+  const std::string five = "  - {name: b, " + valves + "}\n  - {name: c, " + valves + "}\n  - {name: d, " + valves +
+                           "}\n  - {name: e, " + valves + "}\n";
+  const std::pair<std::string, std::string> table[] = {
+      {channels_with("max_pa: 40000"), "give either regulator or valves"},
+      {channels_with(valves + ", regulator: {full_pa: 50000}"), "give either regulator or valves"},
+      {channels_with("max_pa: 60000, regulator: {full_pa: 50000}"), "is more than regulator.full_pa = 50000"},
+      {channels_with("max_pa: 99000, valves: {deadband_pa: 1000}"), "max_pa: 99000 is out of range (0, 98000]"},
+      {channels_with("valves: {deadband_pa: 1000}"), "max_pa"},
+      {channels_with("max_pa: 40000, valves: {deadband_pa: 2000}"), "deadband_pa: 2000 is out of range [1, 2000)"},
+      {channels_with(valves + ", colour: red"), "colour"},
+      {channels_with(valves, ""), "sensor: missing"},
+      {channels_with(valves, "sensor: {full_pa: 100000, zero_v: 0}\n"), "zero_v: 0 is out of range [0.2, 2]"},
+      {channels_with(valves, "sensor: {full_pa: 100000, full_v: 5}\n"), "full_v"},
+      {channels_with(valves + ", watch: {fault_s: 0.5}"), "fault_s: 0.5 is out of range [0.05, 0.4]"},
+      {channels_with(valves + ", watch: {least_change_pa: 3000}"), "least_change_pa"},
+      {channels_with(valves + ", watch: {tolerance_pa: 0}"), "tolerance_pa"},
+      {channels_with(valves) + "  - {name: a, " + valves + "}\n", "'a' again"},
+      {channels_with(valves) + five, "channels: 5 is not in [1, 4]"},
+      {channels_with(valves) + "motors: []\n", "a board has motors or pressure channels, not both"},
+      {channels_with(valves) + "drive: {microsteps: 8}\n", "drive"}};
   for (const auto& [yaml, message] : table) {
     EXPECT_NE(refusal(yaml).find(message), std::string::npos) << yaml << "said: " << refusal(yaml);
   }

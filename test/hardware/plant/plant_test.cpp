@@ -9,6 +9,7 @@
 #include "robot/scene/scene_files.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "hardware/plant/real_time_plant.h"
+#include "hardware/plant/same_commands.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -195,7 +196,8 @@ TEST_F(PlantTest, ReadsEveryFileThatIsShipped) {
   const std::map<std::string, Shafts> robots = {{"spinebot", {{"left", 0.95}, {"right", 1.05}}},
                                                 {"hammerbot", {{"left", 0.95}, {"right", 1.05}}},
                                                 {"bubblebot", {{"a", 5.0}, {"c", 2.0}}},
-                                                {"bubblefinger", {{"main", 1.0}}}};
+                                                {"bubblefinger", {{"main", 1.0}}},
+                                                {"fibre_arm", {{"a", 2000.0}}}};
   for (const auto& [robot, shafts] : robots) {
     const std::string config = SOFT_ROBOT_LAB_SOURCE "/config/";
     const PlantSettings real = load_plant(config + "robots/" + robot + "/plant.yaml");
@@ -210,6 +212,30 @@ TEST_F(PlantTest, ReadsEveryFileThatIsShipped) {
     hanging.advance(0.1, names, values);
     EXPECT_EQ(hanging.failed_steps(), 0);
   }
+}
+
+// One command goes to a simulation and to a rig of air.
+TEST(SameCommands, OfChambersAreGaugePressures) {
+  const std::string data = SOFT_ROBOT_LAB_SOURCE "/test/data/";
+  const auto refusal = [&](const std::string& scene, const std::string& rig) -> std::string {
+    try {
+      require_same_commands(*load_scene(scene, options()).simulation, "scene", load_rig(rig), "rig");
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string robots = SOFT_ROBOT_LAB_SOURCE "/config/robots/";
+  EXPECT_EQ(refusal(data + "scenes/air_finger.yaml", data + "plant/air_rig.yaml"), "");
+  EXPECT_EQ(refusal(robots + "fibre_arm/robot.yaml", robots + "fibre_arm/pressures.yaml"), "");
+  EXPECT_EQ(refusal(robots + "fibre_arm/robot.yaml", data + "plant/air_rig.yaml"),
+            "rig has no channel for 'b' of scene");
+  EXPECT_NE(
+      refusal(robots + "bubblefinger/robot.yaml", robots + "fibre_arm/pressures.yaml").find("no channel for 'main'"),
+      std::string::npos);
+  EXPECT_NE(refusal(robots + "fibre_arm/robot.yaml", robots + "bubblebot/motors.yaml")
+                .find("'a' as the gauge pressure [Pa], rig as the plunger's travel [ml]"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -120,6 +120,36 @@ TEST_F(NewRig, TakesEveryLawOfACable) {
   EXPECT_EQ(load_plant(file("plant.yaml")).backlash_steps.size(), 3u);
 }
 
+const std::string kHollow = R"(body:
+  solid:
+    difference:
+      - {cylinder: {start_m: [0, 0, 0], end_m: [0, 0, -0.1], radius_m: 0.015}}
+      - {name: inside, box: {size_m: [0.01, 0.01, 0.07], center_m: [0, 0.004, -0.05]}}
+  element_size_m: 0.02
+  material: {preset: ecoflex_00_50}
+  fixed: [{box: {min_m: [-1, -1, -1.0e-6], max_m: [1, 1, 1]}}]
+)";
+
+TEST_F(NewRig, WritesPressureChannelsForChambersByGaugePressure) {
+  const std::string chamber = "chambers: [{name: main, surface: inside, command: gauge_pressure, ";
+  const Outcome outcome = write(kHollow + kMarkers + chamber + "max_gauge_pressure_pa: 10000}]\n");
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, " drives:=pressures emulated:=true")) << outcome.out;
+  EXPECT_FALSE(std::filesystem::exists(file("motors.yaml")));
+  const RigSettings rig = load_rig(file("pressures.yaml"));
+  ASSERT_EQ(rig.channels.size(), 1u);
+  EXPECT_EQ(rig.channels[0].name, "main");
+  EXPECT_EQ(rig.channels[0].max_value, 9000);
+  EXPECT_EQ(rig.channels[0].sensor.full_pa, 10000);
+  EXPECT_EQ(rig.channels[0].deadband_pa, 100);
+  EXPECT_TRUE(load_plant(file("plant.yaml")).backlash_steps.empty());
+  std::filesystem::remove_all(folder_.path("rig"));
+
+  EXPECT_TRUE(contains(refusal(kHollow + kMarkers + chamber + "}]\n"), "max_gauge_pressure_pa: missing"));
+  EXPECT_TRUE(contains(refusal(kHollow + kMarkers + kCable + chamber + "max_gauge_pressure_pa: 10000}]\n"),
+                       "drives motors or pressure channels, not both"));
+}
+
 TEST_F(NewRig, KeepsWhatIsThereUnlessItIsForced) {
   ASSERT_EQ(write(kBody + kMarkers + kCable).exit_status, 0);
   folder_.write("rig/balls.yaml", "# mine\n");
@@ -150,7 +180,7 @@ TEST_F(NewRig, RefusesRobotsThatNoRigDrives) {
       "chambers: [{name: main, surface: {solid: {box: {size_m: [0.01, 0.01, 0.05], center_m: [0, 0, -0.05]}}}}]\n";
   EXPECT_FALSE(refusal(kBody + kMarkers + chamber).empty());
   EXPECT_TRUE(contains(refusal("include: " SOFT_ROBOT_LAB_SOURCE "/config/robots/hollow_cuboid/robot.yaml\n"),
-                       "chambers[0]: command: must be syringe or volume_offset"));
+                       "chambers[0]: command: must be syringe, volume_offset or gauge_pressure"));
 }
 
 // Three times as large, before cameras of its own that show red stickers.

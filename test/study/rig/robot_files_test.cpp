@@ -19,10 +19,15 @@ namespace soft_robot_lab {
 namespace {
 
 const std::string kConfig = SOFT_ROBOT_LAB_SOURCE "/config/";
-const std::vector<std::string> kRobots = {"spinebot",  "hammerbot", "bubblebot",   "bubblefinger", "finger_a1",
-                                          "finger_a2", "gripper",   "hanging_bar", "hollow_cuboid"};
+const std::vector<std::string> kRobots = {"spinebot",  "hammerbot", "bubblebot",   "bubblefinger",  "finger_a1",
+                                          "finger_a2", "gripper",   "hanging_bar", "hollow_cuboid", "fibre_arm"};
 const std::vector<std::string> kRobotsOnRigs = {"spinebot",  "hammerbot", "bubblebot", "bubblefinger",
-                                                "finger_a1", "finger_a2", "gripper"};
+                                                "finger_a1", "finger_a2", "gripper",   "fibre_arm"};
+
+// Of motors, or of pressure channels.
+std::string rig_of(const std::string& robot) {
+  return kConfig + "robots/" + robot + (robot == "fibre_arm" ? "/pressures.yaml" : "/motors.yaml");
+}
 
 std::unique_ptr<Simulation> load(const std::string& robot, const std::string& overrides = "") {
   SceneOptions options;
@@ -42,8 +47,7 @@ std::string refusal(const Simulation& simulation, const RigSettings& rig) {
 }
 
 TEST(RobotFiles, OneCommandMeansTheSameToRobotAndRig) {
-  for (const std::string& robot : kRobotsOnRigs)
-    EXPECT_EQ(refusal(*load(robot), load_rig(kConfig + "robots/" + robot + "/motors.yaml")), "") << robot;
+  for (const std::string& robot : kRobotsOnRigs) EXPECT_EQ(refusal(*load(robot), load_rig(rig_of(robot))), "") << robot;
 }
 
 TEST(RobotFiles, CommandsThatMeanTwoThingsAreRefusedWithBothFiles) {

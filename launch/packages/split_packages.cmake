@@ -1,4 +1,5 @@
 # Moves what was installed into the packages that it belongs to; run by CPack (packages.cmake).
+cmake_policy(VERSION 3.16)
 set(top ${CPACK_TEMPORARY_DIRECTORY})
 set(main ${top}/main/usr)
 
@@ -56,17 +57,21 @@ foreach(name ${of_study})
 endforeach()
 move_to(study ${moved})
 
-file(GLOB_RECURSE compiled ${main}/lib/python3/*.pyc)
-file(REMOVE ${compiled})
+file(GLOB_RECURSE compiled LIST_DIRECTORIES true ${main}/lib/python3/*__pycache__)
+file(REMOVE_RECURSE ${compiled})
 move_to(python lib/python3)
 
-# Each with its licence and what changed, as Debian has them.
+# Each with its licence and what changed, as Debian wants them.
+string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)
 foreach(package main dev study python)
   string(TOUPPER ${package} name)
   set(documents ${top}/${package}/usr/share/doc/${CPACK_DEBIAN_${name}_PACKAGE_NAME})
   file(MAKE_DIRECTORY ${documents})
   configure_file(${CMAKE_CURRENT_LIST_DIR}/../../LICENSE ${documents}/copyright COPYONLY)
-  execute_process(COMMAND gzip -9nc ${CMAKE_CURRENT_LIST_DIR}/../../CHANGELOG.rst OUTPUT_FILE ${documents}/changelog.gz)
+  file(WRITE ${documents}/changelog
+    "${CPACK_PACKAGE_NAME} (${CPACK_PACKAGE_VERSION}) unstable; urgency=low\n\n  * See CHANGELOG.rst.gz.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${now}\n")
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/../../CHANGELOG.rst ${documents}/CHANGELOG.rst COPYONLY)
+  execute_process(COMMAND gzip -9n ${documents}/changelog ${documents}/CHANGELOG.rst)
 endforeach()
 file(GLOB libraries ${top}/*/usr/lib/*.so)
 foreach(library ${libraries}) # no program, for Debian

@@ -1,0 +1,40 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# packages.sh [FOLDER]: installs Debian packages, those of the folder or newly made ones, into a fresh Debian 12 by debootstrap, and lets a
+# robot move and reach there without a compiler. As root; needs debootstrap and a Debian mirror, that of this machine's apt.
+set -euo pipefail
+package=$(cd "$(dirname "$0")/../.." && pwd)
+((EUID == 0)) || { echo "packages.sh: must be root, for debootstrap" >&2; exit 1; }
+command -v debootstrap >/dev/null || { echo "packages.sh: apt-get install debootstrap" >&2; exit 1; }
+work=$(mktemp -d)
+end() { umount "$work/root/proc" "$work/root/sys" "$work/root/dev" 2>/dev/null || true; rm -rf --one-file-system "$work"; }
+trap end EXIT
+folder=${1:-$work/packages}
+[[ -n ${1-} ]] || "$package/launch/make_packages.sh" "$folder"
+
+mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' | head -1)
+debootstrap --variant=minbase bookworm "$work/root" "$mirror" >"$work/log" || { tail "$work/log"; exit 1; }
+for file in /etc/apt/sources.list /etc/apt/sources.list.d /etc/apt/apt.conf.d /etc/resolv.conf; do
+  [[ ! -e $file ]] || cp -rL "$file" "$work/root$(dirname "$file")/"
+done
+echo "127.0.0.1 localhost" >"$work/root/etc/hosts"
+mkdir "$work/root/packages"
+cp "$folder"/*.deb "$work/root/packages"
+for system in proc sys dev; do mount --bind "/$system" "$work/root/$system"; done
+inside() { chroot "$work/root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive ROS_IP=127.0.0.1 "$@"; }
+inside apt-get update -q >"$work/log" 2>&1
+start=$SECONDS
+inside bash -c 'apt-get install -y -q --no-install-recommends /packages/*.deb' >"$work/log" 2>&1 || { tail -n 20 "$work/log"; exit 1; }
+echo "installed in $((SECONDS - start)) s"
+! inside bash -c 'command -v g++ || command -v clang++' || echo "with a compiler, which -dev wants"
+inside rosrun soft_robot_lab simulate /usr/share/soft_robot_lab/config/robots/spinebot/robot.yaml --result /tmp/result.json
+inside python3 -c 'import soft_robot_lab; s = soft_robot_lab.Simulation("/usr/share/soft_robot_lab/config/robots/spinebot/robot.yaml"); s.settle(); print(s.markers()["tip"])'
+start=$SECONDS
+inside bash -c '
+  roslaunch -p 11399 soft_robot_lab session.launch robot:=spinebot rviz:=false >/tmp/session.log 2>&1 &
+  export ROS_MASTER_URI=http://127.0.0.1:11399
+  until rostopic list >/dev/null 2>&1; do kill -0 $! || exit 1; sleep 0.2; done
+  timeout 110 rosrun soft_robot_lab reach_target_node /usr/share/soft_robot_lab/config/robots/spinebot/tasks/ball.yaml || { tail /tmp/session.log; exit 1; }
+  kill -INT $!
+  wait'
+echo "a session, and a reached ball, in $((SECONDS - start)) s"

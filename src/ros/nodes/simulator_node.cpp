@@ -518,6 +518,7 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("elements", scene_->simulation->body().mesh().tet_count());
   status.add("nodes", scene_->simulation->body().mesh().node_count());
   status.add("expected error", scene_->fidelity ? expected_error_text(*scene_->fidelity) : "not asked for");
+  status.add("fidelity", scene_->fidelity ? sentence(*scene_->fidelity) : "not asked for");
   status.add("steps not converged in the last second", unconverged_steps_);
   diagnose_solver(status);
   status.add("iterations", last_report_.iterations);

@@ -14,7 +14,7 @@ namespace soft_robot_lab {
 namespace {
 
 // Part of every key of the cache: raise it when another choice or estimate would be made of the same scene.
-constexpr const char* kFidelityVersion = "soft_robot_lab fidelity 10";
+constexpr const char* kFidelityVersion = "soft_robot_lab fidelity 11";
 constexpr double kShareOfTime = 0.5;     // of the tolerance, in a dynamic run
 constexpr double kSpeedMargin = 1.5;     // counted costs are within a factor of that of measured ones
 constexpr double kWorthTraining = 2.0;   // what newton takes for a run, over training

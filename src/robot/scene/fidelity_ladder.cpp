@@ -12,6 +12,7 @@ constexpr double kOutlineSize_m = 10.0;  // larger than any robot: a mesh as coa
 constexpr double kCoarsest = 8.0;        // over the thickness of the body
 constexpr double kSmaller = 0.8;         // of the size, from rung to rung
 constexpr int kLeastReference = 300;     // nodes of the first mesh that is subdivided
+constexpr int kFarFiner = 3;             // nodes over those of that mesh, of one that has to agree with it
 constexpr double kWorthTrying = 1.25;    // more nodes than the rung before: small features may rule the mesh
 
 // The number that three digits say: a quotient of whole numbers.
@@ -72,21 +73,35 @@ std::optional<Rung> FidelityLadder::meshed() {
   return std::nullopt;
 }
 
-// All rungs up to the first that is fine enough to judge them.
+// Meshes rungs until one has so many nodes; null where none within the limit has.
+const Rung* FidelityLadder::rung_of(int nodes) {
+  while (waiting_.empty() || waiting_.back().mesh.node_count() < nodes) {
+    std::optional<Rung> rung = meshed();
+    if (!rung) return nullptr;
+    waiting_.push_back(std::move(*rung));
+  }
+  return waiting_.back().mesh.node_count() <= request_.max_nodes ? &waiting_.back() : nullptr;
+}
+
+bool FidelityLadder::judge_by(const Rung& rung) {
+  show_judging(rung.mesh, 0.0, judgement_.options);
+  Rung judging = rung;
+  judging.error = judge_.look_ahead(*judging.scene, judging.mesh);
+  judging.rests = judge_.rests();
+  if (!judging.error.expected_m) return false;
+  judging_ = std::move(judging);
+  return true;
+}
+
+// Finds the mesh that judges the first rungs.
 void FidelityLadder::begin() {
   begun_ = true;
-  while (std::optional<Rung> rung = meshed()) {
-    waiting_.push_back(std::move(*rung));
-    if (last_nodes_ >= kLeastReference) break;
-  }
-  if (waiting_.size() < 2) return;
-  Rung judging = waiting_.back();
-  if (judging.mesh.node_count() > request_.max_nodes) return;
-  show_judging(judging.mesh, 0.0, judgement_.options);
+  if (given_) return;
   try {
-    judging.error = judge_.look_ahead(*judging.scene, judging.mesh);
-    judging.rests = judge_.rests();
-    if (judging.error.expected_m) judging_ = std::move(judging);
+    for (const Rung* rung = rung_of(kLeastReference); rung && judge_by(*rung);) {
+      rung = rung_of(kFarFiner * rung->mesh.node_count());
+      if (!rung || !judge_.contradicted(*rung->scene, rung->mesh)) break;
+    }
   } catch (const std::invalid_argument&) {
     complaint_ = std::current_exception();
   }

@@ -33,6 +33,8 @@ class FidelityLadder {
 
  private:
   std::optional<Rung> meshed();
+  const Rung* rung_of(int nodes);
+  bool judge_by(const Rung& rung);
   void begin();
   bool judged(double enough_m, Rung& rung);
   std::optional<Rung> beyond_limit(Rung rung) const;

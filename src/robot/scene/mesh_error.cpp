@@ -140,10 +140,18 @@ MeshError MeshJudge::judge(const YamlNode& settings, const TetMesh& mesh, double
   return error;
 }
 
+bool MeshJudge::contradicted(const YamlNode& settings, const TetMesh& mesh) {
+  if (!reference_ || !settle(settings, mesh).trouble.empty()) return false;
+  return error_by_reference().value_or(0.0) > reference_->error_m;
+}
+
 MeshError MeshJudge::look_ahead(const YamlNode& settings, const TetMesh& mesh) {
   MeshError error = settle(settings, mesh);
-  if (error.trouble.empty()) reference_ = subdivided(settings, mesh, error.trouble);
-  if (reference_) error.expected_m = reference_->error_m;
+  std::optional<Reference> own;
+  if (error.trouble.empty()) own = subdivided(settings, mesh, error.trouble);
+  if (!own) return error;
+  error.expected_m = own->error_m;
+  reference_ = std::move(own);
   return error;
 }
 

@@ -49,7 +49,6 @@ inline std::vector<BankScene> bank_scenes() {
       {"cantilever", "include: scenes/cantilever.yaml\n"},
       {"sagging_bar", small_bar("")},
       {"pulled_bar", small_bar(small_cables("") + "run: {commands: [{time_s: 0, up: 0.85}]}\n")},
-      {"buckled_bar", small_bar(small_cables("") + "run: {commands: [{time_s: 0, up: 0.88, down: 0.9}]}\n")},
       {"rubbing_cables",
        small_bar(small_cables(", model: friction, friction_coefficient: 0.3, compliance_m_n: 1.0e-5") +
                  "run: {commands: [{time_s: 0, up: 0.85}]}\n")},

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <filesystem>
 #include <sstream>
 
-#include <Eigen/Geometry>
-
 #include "fidelity.h"
+#include "fidelity_ladder.h"
+#include "reduced_fidelity.h"
 #include "robot/design/content_hash.h"
 #include "settings/cpu_time.h"
 
@@ -15,192 +14,211 @@ namespace soft_robot_lab {
 namespace {
 
 // Part of every key of the cache: raise it when another choice or estimate would be made of the same scene.
-constexpr const char* kFidelityVersion = "soft_robot_lab fidelity 3";
-constexpr double kOutlineSize_m = 10.0;  // larger than any robot: a mesh as coarse as the solid allows
-constexpr double kExpectedOrder = 1.5;   // of the mesh error, to guess the next size; a wrong guess costs a rung
-constexpr double kLeastShrinking = 0.8;  // of the size, from rung to rung
-constexpr double kMostShrinking = 0.5;
-constexpr double kWorthTrying = 1.15;  // more nodes than the rung before: small features may rule the mesh
-constexpr double kShareOfTime = 0.5;   // of the tolerance, in a dynamic run
+constexpr const char* kFidelityVersion = "soft_robot_lab fidelity 11";
+constexpr double kShareOfTime = 0.5;     // of the tolerance, in a dynamic run
+constexpr double kSpeedMargin = 1.5;     // counted costs are within a factor of that of measured ones
+constexpr double kWorthTraining = 2.0;   // what newton takes for a run, over training
+constexpr double kShareOfReduced = 0.2;  // of the tolerance, the largest distance of a reduced model from newton
+constexpr double kRmsOfLargest = 0.25;   // of a reduced model's distances, what is usual
+constexpr double kMayGo = 0.1;           // of the tolerance: a part that changes less is not needed
+constexpr int kMostUnknown = 2;          // rungs without an estimate, after one with: finer ones will not do either
 
 // Whatever solver a scene names: all of them find the same rest states and motions, this one soonest.
 Overrides newton() { return Overrides().set({"solver", "method"}, "newton"); }
 
-YamlNode outline_of(const YamlNode& settings) {
-  return overrides_of(FidelityChoice{kOutlineSize_m, {}}).over(settings);
-}
+bool moves(FidelityUse use) { return use == FidelityUse::motion || use == FidelityUse::live; }
 
-// The number that three digits say: a quotient of whole numbers.
-double three_digits(double value) {
-  const double digits = 2.0 - std::floor(std::log10(value));
-  return digits >= 0.0 ? std::round(value * std::pow(10.0, digits)) / std::pow(10.0, digits)
-                       : std::round(value / std::pow(10.0, -digits)) * std::pow(10.0, -digits);
-}
-
-// About two thicknesses: 4 volume / surface is the side of a long bar.
-double coarsest_size_m(const TetMesh& outline) {
-  double surface_m2 = 0.0;
-  TetMesh whole = outline;
-  complete_boundary(whole);
-  const auto corner = [&](Eigen::Index face, int i) -> Eigen::Vector3d {
-    return whole.nodes_m.col(whole.faces(i, face));
-  };
-  for (Eigen::Index f = 0; f < whole.faces.cols(); ++f)
-    surface_m2 += 0.5 * (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).norm();
-  return three_digits(8.0 * volume(whole) / surface_m2);
-}
-
-void show_progress(const SceneOptions& options, double fraction, const std::string& what) {
-  if (options.progress) options.progress(fraction, "fidelity: " + what);
-}
-
-std::string judging(const TetMesh& mesh) { return "judges a mesh of " + std::to_string(mesh.node_count()) + " nodes"; }
-
-struct Rung {
-  FidelityChoice choice;
-  TetMesh mesh;
-  MeshError error;
-};
-
-// Walks from coarse to fine. A rung on which the scene cannot be built (a load's box without a whole face) is passed
-// over; where none can be built, the last complaint is thrown.
-class Ladder {
+// Looks at one rung after the other, and keeps the one to take.
+class FidelityChooser {
  public:
-  Ladder(const YamlNode& settings, const FidelityRequest& request, const SceneOptions& options)
-      : settings_(settings), request_(request), options_(options), given_(settings.child("body").has("mesh")) {
-    if (!given_) size_m_ = coarsest_size_m(read_mesh(outline_of(settings), options));
+  FidelityChooser(const YamlNode& stated, const FidelityRequest& request, Judgement& judgement)
+      : stated_(stated), request_(request), judgement_(judgement), ladder_(request, judgement) {
+    report_.tolerance_m = request.tolerance_m;
+    report_.use = request.use;
+    report_.met = false;
+    if (request.use == FidelityUse::live) report_.real_time = request.real_time;
   }
 
-  // The next finer rung, judged; none beyond the limit on nodes.
-  std::optional<Rung> next() {
-    while (!done_) {
-      Rung rung;
-      if (!given_) rung.choice.element_size_m = size_m_;
-      const YamlNode scene = overrides_of(rung.choice).over(settings_);
-      rung.mesh = read_mesh(scene, options_);
-      shrink(kLeastShrinking);
-      done_ = given_ || rung.mesh.node_count() > request_.max_nodes;
-      if (rung.mesh.node_count() > request_.max_nodes) return beyond_limit(std::move(rung));
-      if (rung.mesh.node_count() < kWorthTrying * last_nodes_) continue;
-      last_nodes_ = rung.mesh.node_count();
-      show_progress(options_, static_cast<double>(last_nodes_) / request_.max_nodes, judging(rung.mesh));
-      if (!judged(scene, rung)) continue;
-      read_for_others(scene);
-      scene.require_all_read();
-      return rung;
-    }
-    if (count_ == 0 && complaint_) std::rethrow_exception(complaint_);
-    return std::nullopt;
-  }
-
-  void aim(double error_m, double tolerance_m) {  // after a rung whose size was shrunk once already
-    const double factor = std::pow(tolerance_m / error_m, 1.0 / kExpectedOrder);
-    shrink(std::clamp(factor, kMostShrinking, kLeastShrinking) / kLeastShrinking);
-  }
-
-  int count() const { return count_; }
+  FidelityReport choose();
+  const std::optional<Rung>& taken() const { return taken_; }
 
  private:
-  bool judged(const YamlNode& scene, Rung& rung) {
-    try {
-      rung.error = estimate_mesh_error(scene, rung.mesh, options_);
-    } catch (const std::invalid_argument&) {
-      complaint_ = std::current_exception();
-      return false;
-    }
-    ++count_;
-    return true;
+  bool look_at(Rung rung);  // true: no further one will be better
+  void judge_in_time(const Rung& first);
+  double error_m(const Rung& rung) const { return *rung.error.expected_m * time_.amplification + time_.error_m; }
+  double per_second_s(const Rung& rung) const {
+    return time_.stretch_s > 0.0 ? rung.rests.solve.of(time_.counts) / time_.stretch_s : 0.0;
   }
-
-  // Not judged, but all there is where it is the first.
-  std::optional<Rung> beyond_limit(Rung rung) const {
-    if (count_ > 0) return std::nullopt;
-    if (complaint_) std::rethrow_exception(complaint_);
-    rung.error.trouble =
-        "the coarsest mesh has " + std::to_string(rung.mesh.node_count()) + " nodes, more than max_nodes";
-    return rung;
+  bool too_slow(double per_second_s) const {
+    return request_.use == FidelityUse::live && per_second_s * kSpeedMargin * request_.real_time > 1.0;
   }
+  bool may_reduce() const;
+  bool worth_training(const Rung& rung) const;
+  bool reduced(const Rung& rung);
+  void take(Rung rung);
+  void explain();
 
-  void shrink(double factor) { size_m_ = three_digits(size_m_ * factor); }
-
-  const YamlNode& settings_;
+  const YamlNode& stated_;
   const FidelityRequest& request_;
-  const SceneOptions& options_;
-  const bool given_;  // the mesh: it is the only rung
-  double size_m_ = 0.0;
-  int last_nodes_ = 0, count_ = 0;
-  bool done_ = false;
-  std::exception_ptr complaint_;
+  Judgement& judgement_;
+  FidelityLadder ladder_;
+  FidelityReport report_;
+  TimeError time_;
+  bool judged_in_time_ = false, took_slow_ = false;
+  int unknown_ = 0;
+  std::string not_reduced_, ranges_;
+  std::optional<Rung> taken_;
 };
 
-void take(const Rung& rung, const TimeError& time, FidelityReport& report) {
-  report.nodes = rung.mesh.node_count();
-  report.choice = rung.choice;
-  report.choice->in_time = time.choice;
-  report.trouble = rung.error.expected_m ? time.trouble : rung.error.trouble;
-  if (!report.trouble.empty()) return;
-  report.mesh_error_m = *rung.error.expected_m * time.amplification;
+// The error of a time step hardly depends on the mesh, so that a coarse one will do.
+void FidelityChooser::judge_in_time(const Rung& first) {
+  if (judged_in_time_ || !moves(request_.use)) return;
+  judged_in_time_ = true;
+  const Rung& rung = ladder_.judging() ? *ladder_.judging() : first;
+  if (judgement_.options.progress) judgement_.options.progress(0.0, "fidelity: judges time steps");
+  const TooDear too_dear = [&](const SolveReport& counts, double duration_s) {
+    return too_slow(rung.rests.solve.of(counts) / duration_s);
+  };
+  time_ = choose_time_step(*rung.scene, rung.mesh, *rung.error.expected_m, kShareOfTime * request_.tolerance_m,
+                           too_dear, judgement_);
+}
+
+bool FidelityChooser::may_reduce() const {
+  return moves(request_.use) && not_reduced_.empty() && judgement_.options.reduced != ReducedUse::refused &&
+         (!time_.choice || time_.choice->integrator == Integrator::implicit_euler);
+}
+
+// Where newton is fast enough, a run has to last before training pays.
+bool FidelityChooser::worth_training(const Rung& rung) const {
+  if (!may_reduce()) return false;
+  if (request_.use == FidelityUse::live) return too_slow(per_second_s(rung));
+  const std::optional<YamlNode> run = Overrides().over(stated_).optional_child("run");
+  const double duration_s = run && run->has("duration_s") ? run->number("duration_s") : 0.0;
+  return duration_s * per_second_s(rung) > kWorthTraining * training_cost_s(rung.rests.cost_s, per_second_s(rung));
+}
+
+// Takes a reduced model of this rung, where it is within the tolerance or nothing better is fast enough.
+bool FidelityChooser::reduced(const Rung& rung) {
+  FidelityChoice choice = rung.choice;
+  choice.in_time = time_.choice;
+  judgement_.cost_s += training_cost_s(rung.rests.cost_s, per_second_s(rung));
+  const ReducedTrial trial =
+      try_reduced(stated_, choice, rung.mesh, kRmsOfLargest * kShareOfReduced * request_.tolerance_m, judgement_);
+  not_reduced_ = trial.why_not;
+  if (!trial.reduced) return false;
+  const double all_m = error_m(rung) + trial.reduced->error_m;
+  const bool within = all_m <= request_.tolerance_m;
+  const bool better =
+      request_.use == FidelityUse::live && (took_slow_ || all_m < report_.expected_error_m.value_or(all_m + 1.0));
+  if (!within && !better) {
+    not_reduced_ = "its error comes to the mesh's";
+    return false;
+  }
+  take(rung);
+  ranges_ = trial.ranges;
+  report_.choice->reduced = trial.reduced;
+  report_.reduced_error_m = trial.reduced->error_m;
+  report_.expected_error_m = all_m;
+  report_.cost.per_second_s = reduced_cost_per_second_s(trial.reduced->modes);
+  report_.met = within && !too_slow(report_.cost.per_second_s);
+  return true;
+}
+
+void FidelityChooser::take(Rung rung) {
+  report_.nodes = rung.mesh.node_count();
+  report_.choice = rung.choice;
+  report_.choice->in_time = time_.choice;
+  report_.trouble = rung.error.expected_m ? time_.trouble : rung.error.trouble;
+  report_.cost.rest_state_s = rung.rests.cost_s;
+  report_.cost.per_second_s = per_second_s(rung);
+  took_slow_ = too_slow(report_.cost.per_second_s);
+  if (report_.trouble.empty()) {
+    report_.mesh_error_m = *rung.error.expected_m * time_.amplification;
+    report_.time_error_m = time_.error_m;
+    report_.expected_error_m = report_.mesh_error_m + report_.time_error_m;
+  }
+  taken_ = std::move(rung);
+}
+
+bool FidelityChooser::look_at(Rung rung) {
+  if (!rung.error.expected_m) {
+    report_.meshes.push_back({rung.mesh.node_count(), std::nullopt});
+    if (!taken_) take(std::move(rung));
+    return report_.expected_error_m && ++unknown_ >= kMostUnknown;
+  }
+  unknown_ = 0;
+  judge_in_time(rung);
+  const double here_m = error_m(rung);
+  report_.meshes.push_back({rung.mesh.node_count(), here_m});
+  const bool within = here_m <= request_.tolerance_m && time_.trouble.empty();
+  const bool slow = too_slow(per_second_s(rung));
+  const double for_reduced_m = (request_.use == FidelityUse::live ? 1.0 - kShareOfReduced : 1.0) * request_.tolerance_m;
+  if (here_m <= for_reduced_m && time_.trouble.empty() && worth_training(rung) && reduced(rung)) return true;
+  const bool better = !report_.expected_error_m || here_m < *report_.expected_error_m;
+  // What is too slow serves only where all is: then the fastest.
+  if (slow ? !report_.expected_error_m : better || took_slow_) {
+    take(std::move(rung));
+    report_.met = within && !slow;
+  }
+  if (within && !slow) return true;
+  if (slow && !may_reduce()) return true;  // finer meshes are slower still
+  return !time_.trouble.empty() || time_.error_m > request_.tolerance_m;
+}
+
+void FidelityChooser::explain() {
+  const bool in_time = moves(request_.use);
+  report_.reasons = {
+      "element: quadratic, as linear ones need far more nodes for the same error",
+      "mesh: " + std::to_string(report_.nodes) + " nodes; " + std::to_string(ladder_.count()) +
+          " meshes judged, of at most " + std::to_string(request_.max_nodes) + " nodes",
+      report_.choice && report_.choice->reduced
+          ? "method: reduced, " + std::to_string(report_.choice->reduced->modes) + " modes for commands in " + ranges_
+          : "method: newton; xpbd is slower on meshes of this size",
+      in_time ? "integrator and time step: judged over the first seconds of motion"
+              : "integrator and time step: not chosen, as the question is at rest"};
+  if (!not_reduced_.empty()) report_.reasons.push_back("no reduced model: " + not_reduced_);
+}
+
+FidelityReport FidelityChooser::choose() {
+  while (true) {
+    const double enough_m =
+        judged_in_time_ ? (request_.tolerance_m - time_.error_m) / time_.amplification : request_.tolerance_m;
+    std::optional<Rung> rung = ladder_.next(enough_m);
+    if (!rung || look_at(std::move(*rung))) break;
+  }
+  explain();
+  if (report_.cost.per_second_s > 0.0) report_.expected_real_time = 1.0 / report_.cost.per_second_s;
+  return report_;
+}
+
+// The scene as it is.
+FidelityReport judge(Judgement& judgement, std::optional<Rung>& rung) {
+  FidelityReport report;
+  report.use = judgement.use;
+  rung.emplace();
+  rung->scene = judgement.settings;
+  rung->mesh = read_mesh(judgement.settings, judgement.options);
+  show_judging(rung->mesh, 0.0, judgement.options);
+  MeshJudge meshes(judgement);
+  rung->error = meshes.judge(judgement.settings, rung->mesh, 0.0);
+  rung->rests = meshes.rests();
+  report.nodes = rung->mesh.node_count();
+  report.cost.rest_state_s = rung->rests.cost_s;
+  report.trouble = rung->error.trouble;
+  if (!rung->error.expected_m) return report;
+  TimeError time;
+  if (moves(judgement.use)) {
+    if (judgement.options.progress) judgement.options.progress(0.5, "fidelity: judges time steps");
+    time = estimate_time_error(judgement.settings, rung->mesh, *rung->error.expected_m, judgement);
+    report.cost.per_second_s = rung->rests.solve.of(time.counts) / time.stretch_s;
+    if (report.cost.per_second_s > 0.0) report.expected_real_time = 1.0 / report.cost.per_second_s;
+  }
+  report.trouble = time.trouble;
+  if (!report.trouble.empty()) return report;
+  report.mesh_error_m = *rung->error.expected_m * time.amplification;
   report.time_error_m = time.error_m;
   report.expected_error_m = report.mesh_error_m + report.time_error_m;
-}
-
-void explain(const Ladder& ladder, bool dynamic, const FidelityRequest& request, FidelityReport& report) {
-  report.reasons = {"element: quadratic, as linear ones need far more nodes for the same error",
-                    "mesh: " + std::to_string(report.nodes) + " nodes; " + std::to_string(ladder.count()) +
-                        " meshes judged, of at most " + std::to_string(request.max_nodes) + " nodes",
-                    "method: newton, the fastest on meshes of this size",
-                    dynamic ? "integrator and time step: judged over the run's first seconds"
-                            : "integrator and time step: not chosen, as the question is at rest"};
-}
-
-FidelityReport choose(const YamlNode& settings, const FidelityRequest& request, bool dynamic,
-                      const SceneOptions& options) {
-  FidelityReport report;
-  report.tolerance_m = request.tolerance_m;
-  report.met = false;
-  std::optional<TimeError> time;
-  Ladder ladder(settings, request, options);
-  while (const std::optional<Rung> rung = ladder.next()) {
-    const bool known = rung->error.expected_m.has_value();
-    if (known && !time && dynamic) show_progress(options, 0.0, "judges time steps");
-    // The error of a time step hardly depends on the mesh, so that the coarsest will do.
-    if (known && !time)
-      time = !dynamic ? TimeError{}
-                      : choose_time_step(overrides_of(rung->choice).over(settings), rung->mesh, options,
-                                         kShareOfTime * request.tolerance_m);
-    const TimeError in_time = time.value_or(TimeError{});
-    const double error_m = known ? *rung->error.expected_m * in_time.amplification + in_time.error_m : 0.0;
-    if (!report.expected_error_m || (known && error_m < *report.expected_error_m)) take(*rung, in_time, report);
-    if (!known && report.expected_error_m)
-      break;  // beyond what the scene allows, such as a plug that sinks in for ever
-    if (!known) continue;
-    report.met = error_m <= request.tolerance_m && in_time.trouble.empty();
-    if (report.met || !in_time.trouble.empty() || in_time.error_m > request.tolerance_m) break;
-    ladder.aim(error_m, request.tolerance_m);
-  }
-  explain(ladder, dynamic, request, report);
   return report;
-}
-
-FidelityReport judge(const YamlNode& settings, bool dynamic, const SceneOptions& options) {
-  FidelityReport report;
-  const TetMesh mesh = read_mesh(settings, options);
-  show_progress(options, 0.0, judging(mesh));
-  const MeshError error = estimate_mesh_error(settings, mesh, options);
-  const bool moves = dynamic && error.expected_m;
-  if (moves) show_progress(options, 0.5, "judges time steps");
-  take({{}, mesh, error}, moves ? estimate_time_error(settings, mesh, options) : TimeError{}, report);
-  report.choice.reset();
-  report.left_out_contact_m = contact_effect(settings, options).moved_m;
-  return report;
-}
-
-std::string content_key(const YamlNode& settings, const std::string& mesh_file) {
-  ContentHash hash;
-  hash.add(kFidelityVersion);
-  hash.add(Overrides().over(settings).dump());                     // of a copy: dumping counts as reading
-  hash.add(std::filesystem::path(mesh_file).filename().string());  // a hash of the files that the solid names
-  return hash.hex();
 }
 
 bool refuses_self_contact(const YamlNode& settings) {
@@ -210,29 +228,67 @@ bool refuses_self_contact(const YamlNode& settings) {
 
 // Switched on where, without it, a marker would be off by more than the tolerance; else its size is stated. The mesh
 // was judged without it: with it the judgement of Spinebot at 1 mm took 390 s, not 2 s.
-void weigh_contact(const YamlNode& settings, const FidelityRequest& request, const SceneOptions& options,
-                   FidelityReport& report) {
-  if (!report.choice) return;
-  const ContactEffect effect = contact_effect(overrides_of(*report.choice).over(settings), options);
-  if (effect.moved_m > request.tolerance_m && !refuses_self_contact(settings)) {
+void weigh_contact(const Rung& rung, Judgement& judgement, FidelityReport& report) {
+  const std::optional<PartEffect> effect = contact_effect(*rung.scene, rung.mesh, rung.rests, judgement);
+  if (!effect) return;
+  if (report.choice && effect->moved_m > report.tolerance_m && !refuses_self_contact(judgement.settings)) {
     report.choice->self_contact = true;
     std::ostringstream reason;
-    reason << "contact of skin with skin: without it marker " << effect.marker << " would be " << 1e3 * effect.moved_m
-           << " mm off; the mesh was judged without it";
+    reason << "contact of skin with skin: without it marker " << effect->marker << " would be " << 1e3 * effect->moved_m
+           << " mm off; mesh and speed were judged without it";
     report.reasons.push_back(reason.str());
     return;
   }
-  report.left_out_contact_m = effect.moved_m;
-  report.met = report.met && effect.moved_m <= request.tolerance_m;
+  report.left_out_contact_m = effect->moved_m;
+  if (report.tolerance_m > 0.0) report.met = report.met && effect->moved_m <= report.tolerance_m;
 }
 
-bool asks_for_motion(const YamlNode& settings, const YamlNode& place) {
+void weigh_parts(const Rung& rung, Judgement& judgement, FidelityReport& report) {
+  if (rung.rests.states.empty()) return;
+  weigh_contact(rung, judgement, report);
+  report.parts = part_effects(*rung.scene, rung.mesh, rung.rests, judgement);
+  for (PartEffect& effect : report.parts)
+    effect.may_go = effect.trouble.empty() && effect.moved_m < kMayGo * report.tolerance_m;
+}
+
+std::string content_key(const YamlNode& settings, const std::string& mesh_file, bool may_reduce) {
+  ContentHash hash;
+  hash.add(kFidelityVersion);
+  hash.add(Overrides().over(settings).dump());                     // of a copy: dumping counts as reading
+  hash.add(std::filesystem::path(mesh_file).filename().string());  // a hash of the files that the solid names
+  hash.add(may_reduce ? "reduced models" : "newton alone");
+  return hash.hex();
+}
+
+void require_judgeable(const YamlNode& settings, const YamlNode& place) {
   const std::optional<YamlNode> run = settings.optional_child("run");
-  const std::string mode = run ? run->text_or("mode", "equilibrium") : "equilibrium";
-  if (mode == "modal") place.fail("a modal run moves no marker; there is no error to estimate");
+  if (run && run->text_or("mode", "equilibrium") == "modal")
+    place.fail("a modal run moves no marker; there is no error to estimate");
   if (settings.optional_sequence("markers").empty())
     place.fail("an error is that of the markers; the scene needs at least one");
-  return mode == "dynamic";
+}
+
+FidelityUse use_of_run(const YamlNode& settings) {
+  const std::optional<YamlNode> run = settings.optional_child("run");
+  return run && run->text_or("mode", "equilibrium") == "dynamic" ? FidelityUse::motion : FidelityUse::rest;
+}
+
+FidelityReport choose_or_judge(const YamlNode& settings, const std::optional<FidelityRequest>& request,
+                               const SceneOptions& options) {
+  const YamlNode judged = newton().over(settings);
+  Judgement judgement{judged, options, request ? request->use : use_of_run(settings)};
+  std::optional<Rung> rung;
+  FidelityReport report;
+  if (request) {
+    FidelityChooser chooser(settings, *request, judgement);
+    report = chooser.choose();
+    rung = chooser.taken();
+  } else {
+    report = judge(judgement, rung);
+  }
+  if (rung) weigh_parts(*rung, judgement, report);
+  report.cost.choosing_s = judgement.cost_s;
+  return report;
 }
 
 }  // namespace
@@ -248,24 +304,25 @@ Overrides overrides_of(const FidelityChoice& choice) {
   if (choice.element_size_m) overrides.set({"body", "element_size_m"}, *choice.element_size_m);
   if (choice.in_time) overrides.lay(overrides_of(*choice.in_time));
   if (choice.self_contact) overrides.lay(self_contact());
+  if (choice.reduced)
+    overrides.set({"solver", "method"}, "reduced").set({"solver", "tolerance_m"}, choice.reduced->tolerance_m);
   return overrides;
 }
 
 std::optional<FidelityReport> settle_fidelity(const YamlNode& settings, const SceneOptions& options) {
   const std::optional<FidelityRequest> request = read_fidelity(settings);
   if (!request && !options.estimate_error) return std::nullopt;
-  const bool dynamic = asks_for_motion(settings, request ? settings.child("fidelity") : settings);
+  require_judgeable(settings, request ? settings.child("fidelity") : settings);
   const YamlNode outline = request ? outline_of(settings) : settings;
-  const std::string key = content_key(settings, mesh_file(outline, mesher_options(options)));
+  const std::string key =
+      content_key(settings, mesh_file(outline, mesher_options(options)), options.reduced != ReducedUse::refused);
   const bool kept = !options.change_mesh;  // which the key does not know
   if (std::optional<FidelityReport> known; kept && (known = find_fidelity(key, options))) return known;
 
   const double start_s = cpu_time_s();
-  const YamlNode judged = newton().over(settings);
-  FidelityReport report = request ? choose(judged, *request, dynamic, options) : judge(judged, dynamic, options);
-  if (request) weigh_contact(judged, *request, options, report);
+  FidelityReport report = choose_or_judge(settings, request, options);
   const bool touches = report.choice && report.choice->self_contact;
-  report.left_out = left_out(touches ? self_contact().over(settings) : settings, dynamic);
+  report.left_out = left_out(touches ? self_contact().over(settings) : settings, moves(report.use));
   report.cpu_s = cpu_time_s() - start_s;
   if (kept) keep_fidelity(key, report, options);
   return report;

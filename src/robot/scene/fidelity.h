@@ -2,8 +2,8 @@
 // The parts of the fidelity estimate. Read choose_fidelity.cpp first.
 //
 // Mesh error. A scene is settled on its mesh, and again, from there, on the same mesh with every element cut into eight
-// (sim/subdivide.h). With errors of order h^p the finer mesh has 2^-p of the error, so the error is the difference
-// times 1 / (1 - 2^-p). p = 1, hence twice the difference, is what the robots show, with their re-entrant edges and
+// (subdivide.h). With errors of order h^p the finer mesh has 2^-p of the error, so the error is the difference times
+// 1 / (1 - 2^-p). p = 1, hence twice the difference, is what the robots show, with their re-entrant edges and
 // cables that enter over a millimetre; smooth bodies have p = 2, for which twice is 1.5 times too much.
 //
 // Measured: estimate over error, where the error is the difference to two subdivisions and, beyond them, what the
@@ -16,24 +16,36 @@
 //   Spinebot, 549 elements, 5 / 10 / 20 % pull                    1.0 / 1.0 / 1.2
 //   Hammerbot, 400 elements, 5 / 10 / 20 % pull                   1.0 / 0.7 / 1.8
 //
+// What the subdivision says, extrapolated between p = 1 and p = 2, judges other meshes too, so that most rungs of the
+// ladder cost one solve of their own. Only a mesh with twice the nodes is subdivided again. The first to be
+// subdivided has 300 nodes or more: coarser ones do not see a cable's plug, nor does their subdivision. Hanging bar and
+// finger A.1 seemed to be within 1.3 and 1.6 mm by their own subdivisions, on 57 and 254 nodes, and were 2.2 and 4.3 mm
+// off. Where a mesh of three times its nodes lies farther from what it leads to than it does itself, that one is
+// subdivided in its place, as on the tentacle, whose 637 nodes led 4 mm astray.
+//
 // Others were tried and left. One pressure per element against four, on one mesh, do not always bracket the truth: on
 // the bar they differ by a third of the error, and on Spinebot the truth lies on the other side of the first; Newton
 // needs 20 to 400 iterations for the second. Two meshes of sizes h and 0.7 h: where small features rule, the mesher
 // makes nearly the same mesh for both, and what differs is chance.
 //
 // Element: quadratic at any Poisson's ratio. At 0.3, where nothing locks, the cantilever is 8.6 % off on 1345 nodes of
-// linear elements, 1.4 % on 579 nodes of quadratic ones. Method: newton. A Newton iteration takes 0.04 s of CPU on 3600
-// nodes, 1.3 s on 25 000, 2.2 s on 54 000 and 12 s on 83 000 (which depends on the shape), so that within the limit on
-// nodes there is no mesh where xpbd, 10 to 25 times slower on robots, would gain.
+// linear elements, 1.4 % on 579 nodes of quadratic ones. Method: newton, or a reduced model of it. A Newton iteration
+// takes 0.04 s of CPU on 3600 nodes, 1.3 s on 25 000, 2.2 s on 54 000 and 12 s on 83 000 (which depends on the shape),
+// so that within the limit on nodes there is no mesh where xpbd, 10 to 25 times slower on robots, would gain.
+//
+// Costs are counted (solve_cost.h), never timed: a choice must not hang on what else a machine does.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "sections.h"
+#include "mechanics/simulation/solve_cost.h"
 #include "robot/design/content_cache.h"
 #include "soft_robot_lab/robot/scene/fidelity.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
 
 namespace soft_robot_lab {
 
@@ -45,46 +57,114 @@ inline ContentCache cache_of(const SceneOptions& options) {
 struct FidelityRequest {
   double tolerance_m = 0.0;  // > 0
   int max_nodes = 5000;      // [100, 20000]; the estimate's own mesh has up to eight times as many
+  FidelityUse use = FidelityUse::rest;
+  double real_time = 1.0;  // (0, 1000]; of `live`
 };
 
 // `fidelity`; refuses keys in `body` and `solver` that it would choose itself, unless they come from an included file.
 std::optional<FidelityRequest> read_fidelity(const YamlNode& scene);
 
+// What a scene is judged for, and what that has cost.
+struct Judgement {
+  const YamlNode& settings;
+  const SceneOptions& options;
+  FidelityUse use = FidelityUse::rest;
+  double cost_s = 0.0;  // counted, of all solves until now
+};
+
 // What the scene is judged at: rest states, each the commands of all actuators in their order. Those of its run; where
 // it has none, as a robot file may, each cable's contraction and each chamber's amount of gas by a fifth, one at a
-// time.
-std::vector<std::vector<double>> judged_commands(const Simulation& simulation, const RunSettings& run);
+// time. For `search` and `live` also places within the actuators' ranges.
+std::vector<std::vector<double>> judged_commands(const Simulation& simulation, const RunSettings& run, FidelityUse use);
+
+// Places on the skin that are compared beside the markers: a marker may stand where a difference happens to pass
+// through zero.
+std::vector<Eigen::Vector3d> probes_of(const TetMesh& mesh);
+std::vector<Marker> markers_at(const std::vector<Eigen::Vector3d>& places_m, const TetMesh& mesh);
+Eigen::Matrix3Xd positions_of(const std::vector<Marker>& markers, const Eigen::Matrix3Xd& nodes_m);
+
+// The rest states that a scene is judged at, on one mesh.
+struct JudgedRests {
+  std::vector<int> numbers;  // of judged_commands(): the states found, in their order
+  std::vector<SimulationState> states;
+  std::vector<Eigen::Matrix3Xd> markers_m, probes_m;  // of each state
+  std::vector<bool> skin_overlaps;                    // in each state, where the scene lists no such contact
+  SolveCost solve;                                    // on this mesh
+  double cost_s = 0.0;                                // counted, of one of them in the mean
+  std::string trouble;  // which was not found; all but those of `search` and `live` are needed
+};
+JudgedRests judged_rests(Scene& scene, const std::vector<Eigen::Vector3d>& probes, Judgement& judgement);
 
 struct MeshError {
   std::optional<double> expected_m;
   std::string trouble;  // why there is none
 };
 
-// Twice the largest difference of a marker, or the root mean square over the surface where that is more: a marker may
-// stand where the difference happens to pass through zero.
-MeshError estimate_mesh_error(const YamlNode& settings, const TetMesh& mesh, const SceneOptions& options);
+// Judges meshes of one scene, from coarse to fine. The largest distance of a marker counts, or the root mean square
+// over the probes where that is more.
+class MeshJudge {
+ public:
+  explicit MeshJudge(Judgement& judgement) : judgement_(judgement) {}
+
+  // Of the scene on this mesh. Where the error by the meshes before is within `enough_m`, that will do. What is
+  // stated hangs on the meshes that were judged before, never on `enough_m`.
+  MeshError judge(const YamlNode& settings, const TetMesh& mesh, double enough_m);
+  // Judges coarser meshes by this one; returns its error.
+  MeshError look_ahead(const YamlNode& settings, const TetMesh& mesh);
+  // Whether a far finer mesh seems to be worse than the one that judges: then that one says little.
+  bool contradicted(const YamlNode& settings, const TetMesh& mesh);
+  const JudgedRests& rests() const { return rests_; }  // on the last mesh
+
+ private:
+  // What the finest mesh until now says of the rest states.
+  struct Reference {
+    int nodes = 0;  // of the mesh that was subdivided for it
+    std::vector<int> numbers;
+    std::vector<Eigen::Matrix3Xd> markers_m, probes_m;
+    std::vector<double> unsure_m;
+    double error_m = 0.0;  // of that mesh
+  };
+  MeshError settle(const YamlNode& settings, const TetMesh& mesh);
+  std::optional<double> error_by_reference() const;
+  std::optional<Reference> subdivided(const YamlNode& settings, const TetMesh& mesh, std::string& trouble);
+
+  Judgement& judgement_;
+  std::vector<Eigen::Vector3d> probes_;
+  std::optional<Reference> reference_;
+  JudgedRests rests_;
+};
 
 struct TimeError {
   double error_m = 0.0;        // of the time step
   double amplification = 1.0;  // >= 1: how much more a mesh error shows in motion than at rest
   std::optional<TimeStepChoice> choice;
-  std::string trouble;  // empty, or why there is no estimate
+  SolveReport counts;      // of the judged stretch with that step
+  double stretch_s = 0.0;  // its length; 0: nothing was judged
+  std::string trouble;     // empty, or why there is no estimate
 };
 
-// Of a dynamic run's first seconds (kStretch_s in time_error.cpp), on this mesh: step h against h / 2.
-TimeError estimate_time_error(const YamlNode& settings, const TetMesh& mesh, const SceneOptions& options);
-// The longest step, of implicit Euler or BDF2, whose error is within the tolerance.
-TimeError choose_time_step(const YamlNode& settings, const TetMesh& mesh, const SceneOptions& options,
-                           double tolerance_m);
+// Of the first seconds of a scene's motion (kStretch_s in time_error.cpp), on this mesh: step h against h / 2. Where no
+// run moves it, it goes to the judged commands one after the other. `rest_error_m`: of this mesh at rest.
+TimeError estimate_time_error(const YamlNode& settings, const TetMesh& mesh, double rest_error_m, Judgement& judgement);
+// Whether a motion of so many seconds has taken more solves than the choice allows.
+using TooDear = std::function<bool(const SolveReport& counts, double duration_s)>;
+// The longest step, of implicit Euler or BDF2, whose error is within the tolerance; else the most exact that is not too
+// dear.
+TimeError choose_time_step(const YamlNode& settings, const TetMesh& mesh, double rest_error_m, double tolerance_m,
+                           const TooDear& too_dear, Judgement& judgement);
+// That stretch as the settings solve it: the markers at the start and after each step.
+std::vector<Eigen::Matrix3Xd> judged_motion(const YamlNode& settings, const TetMesh& mesh, Judgement& judgement,
+                                            std::string& trouble);
 
-// What contact of skin with skin would change, at the rest states that a scene is judged at. Nothing where no skin is
-// in other silicone there, or the scene lists such contact.
-struct ContactEffect {
-  double moved_m = 0.0;  // of the marker that moves most
-  std::string marker;
-};
-ContactEffect contact_effect(const YamlNode& settings, const SceneOptions& options);
+// What contact of skin with skin would change, at the rest states that a scene is judged at; where it is left out and
+// skin is in other silicone there. `rests`: without it.
+std::optional<PartEffect> contact_effect(const YamlNode& settings, const TetMesh& mesh, const JudgedRests& rests,
+                                         Judgement& judgement);
 Overrides self_contact();
+
+// What each optional part of the scene changes, each switched off once. `rests`: with all of them.
+std::vector<PartEffect> part_effects(const YamlNode& settings, const TetMesh& mesh, const JudgedRests& rests,
+                                     Judgement& judgement);
 
 // Kept by content beside the meshes.
 std::optional<FidelityReport> find_fidelity(const std::string& key, const SceneOptions& options);
@@ -97,6 +177,7 @@ std::vector<std::string> left_out(const YamlNode& settings, bool dynamic);
 std::optional<FidelityReport> settle_fidelity(const YamlNode& settings, const SceneOptions& options);
 
 const char* name_of(Integrator integrator);  // as a scene names it
+const char* name_of(FidelityUse use);
 
 Overrides overrides_of(const FidelityChoice& choice);
 Overrides overrides_of(const TimeStepChoice& choice);

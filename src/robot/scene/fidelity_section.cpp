@@ -18,6 +18,16 @@ void refuse_chosen(const YamlNode& scene, const YamlNode& fidelity, const std::s
   }
 }
 
+// As the run says, where nothing else is asked for.
+FidelityUse read_use(const YamlNode& scene, const YamlNode& fidelity) {
+  const std::optional<YamlNode> run = scene.optional_child("run");
+  const bool dynamic = run && run->text_or("mode", "equilibrium") == "dynamic";
+  const std::string use = fidelity.choice_or("use", dynamic ? "motion" : "rest", {"rest", "motion", "search", "live"});
+  for (const FidelityUse known : {FidelityUse::motion, FidelityUse::search, FidelityUse::live})
+    if (use == name_of(known)) return known;
+  return FidelityUse::rest;
+}
+
 }  // namespace
 
 std::optional<FidelityRequest> read_fidelity(const YamlNode& scene) {
@@ -26,6 +36,10 @@ std::optional<FidelityRequest> read_fidelity(const YamlNode& scene) {
   FidelityRequest request;
   request.tolerance_m = node->number("tolerance_m", AllowedRange::positive());
   request.max_nodes = node->integer_or("max_nodes", request.max_nodes, 100, 20000);
+  request.use = read_use(scene, *node);
+  if (node->has("real_time") && request.use != FidelityUse::live)
+    node->child("real_time").fail("is for use: live; leave it out, or say use: live");
+  request.real_time = node->number_or("real_time", request.real_time, {0.01, 1000.0});
   if (scene.has("bodies"))
     scene.child("bodies").fail("fidelity chooses the mesh of one body; leave out one of the two");
   refuse_chosen(scene, *node, "solver", {"method", "integrator", "time_step_s", "substeps", "iterations"});

@@ -5,59 +5,45 @@
 
 #include "fidelity.h"
 #include "mechanics/mesh/subdivide.h"
-#include "mechanics/reduced/snapshots.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kFirstOrder = 2.0;  // error over difference, where half the size halves the error
-constexpr int kMostJudged = 4;       // of a scene's rest states, those that moved furthest
-constexpr double kUsualShare = 0.2;  // of pull, or of more gas, in a robot that no run commands
+// Beyond the finer mesh the way goes on by 1 or by 1 / 3 of the difference, as the order is 1 or 2.
+constexpr double kBeyond = 2.0 / 3.0, kUnsure = 1.0 / 3.0;
+constexpr std::size_t kMostJudged = 4;  // of a scene's rest states, those that moved furthest
+constexpr double kReach = 2.0;          // nodes, over those of the subdivided mesh, up to which it judges others
+// An error that much larger than on the subdivided, coarser mesh is another side of a buckled body.
+constexpr double kElsewhere = 2.0;
 // Newton iterations a stage on the finer mesh, which begins near its rest state: where it needs more, the coarse mesh
 // says little about it, and a finer one costs less than insisting.
 constexpr int kFineIterations = 8;
+constexpr double kFineTolerance = 1e-2;  // of its residual: what is left is far below a mesh's error
 
 YamlNode with_little_effort(const YamlNode& settings) {
   return Overrides().set({"solver", "max_iterations"}, kFineIterations).over(settings);
 }
 
-std::vector<int> surface_nodes(const TetMesh& mesh) {
-  std::vector<int> nodes(mesh.faces.data(), mesh.faces.data() + mesh.faces.size());
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
+double rms(const Eigen::Matrix3Xd& difference_m) {
+  return difference_m.cols() == 0 ? 0.0 : std::sqrt(difference_m.colwise().squaredNorm().mean());
 }
 
-double rms_distance(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b, const std::vector<int>& nodes) {
-  double sum = 0.0;
-  for (const int node : nodes) sum += (a.col(node) - b.col(node)).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(nodes.size()));
+double distance(const Eigen::Matrix3Xd& markers_m, const Eigen::Matrix3Xd& probes_m) {
+  const double largest = markers_m.cols() == 0 ? 0.0 : markers_m.colwise().norm().maxCoeff();
+  return std::max(largest, rms(probes_m));
 }
 
-// Empty where one did not converge; `trouble` then says which.
-std::vector<SimulationState> rest_states(Scene& scene, std::string& trouble) {
-  std::vector<SimulationState> states;
-  Simulation& simulation = *scene.simulation;
-  for (const std::vector<double>& commands : judged_commands(simulation, scene.run)) {
-    command(commands, simulation);
-    const SolveReport report = simulation.solve_equilibrium();
-    if (!report.converged) {
-      trouble = "rest state " + std::to_string(states.size() + 1) + " was not found: " + report.message;
-      return {};
-    }
-    states.push_back(simulation.state());
-  }
-  return states;
-}
-
-std::vector<SimulationState> furthest(std::vector<SimulationState> states, const TetMesh& mesh,
-                                      const std::vector<int>& surface) {
-  const auto moved = [&](const SimulationState& state) {
-    return rms_distance(state.positions_m, mesh.nodes_m, surface);
-  };
-  std::stable_sort(states.begin(), states.end(), [&](const auto& a, const auto& b) { return moved(a) > moved(b); });
-  if (states.size() > kMostJudged) states.resize(kMostJudged);
-  return states;
+// Places in `all`, in their order.
+std::vector<std::size_t> furthest(const JudgedRests& all, const TetMesh& mesh) {
+  std::vector<std::size_t> places(all.states.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::stable_sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
+    return rms(all.states[a].positions_m - mesh.nodes_m) > rms(all.states[b].positions_m - mesh.nodes_m);
+  });
+  places.resize(std::min(places.size(), kMostJudged));
+  std::sort(places.begin(), places.end());
+  return places;
 }
 
 // The coarse rest state as a start for the fine mesh, so that a buckled body stays on its side.
@@ -72,68 +58,100 @@ SimulationState carried(const SimulationState& coarse, const Subdivision& fine, 
   return start;
 }
 
-double largest_marker_distance(const Simulation& a, const Eigen::Matrix3Xd& positions_a, const Simulation& b,
-                               const Eigen::Matrix3Xd& positions_b) {
+}  // namespace
+
+MeshError MeshJudge::settle(const YamlNode& settings, const TetMesh& mesh) {
+  MeshError error;
+  if (probes_.empty()) {
+    TetMesh whole = mesh;
+    complete_boundary(whole);
+    probes_ = probes_of(whole);
+  }
+  Scene scene = build_scene(settings, mesh, judgement_.options);
+  if (judgement_.options.on_warnings) judgement_.options.on_warnings(scene.warnings);
+  rests_ = judged_rests(scene, probes_, judgement_);
+  error.trouble = rests_.trouble;
+  return error;
+}
+
+std::optional<double> MeshJudge::error_by_reference() const {
   double largest = 0.0;
-  for (size_t i = 0; i < a.markers().size(); ++i)
-    largest = std::max(largest, (a.markers()[i].position(positions_a) - b.markers()[i].position(positions_b)).norm());
+  for (std::size_t i = 0; i < reference_->numbers.size(); ++i) {
+    const auto here = std::find(rests_.numbers.begin(), rests_.numbers.end(), reference_->numbers[i]);
+    if (here == rests_.numbers.end()) return std::nullopt;
+    const auto at = static_cast<std::size_t>(here - rests_.numbers.begin());
+    largest = std::max(largest, reference_->unsure_m[i] + distance(rests_.markers_m[at] - reference_->markers_m[i],
+                                                                   rests_.probes_m[at] - reference_->probes_m[i]));
+  }
   return largest;
 }
 
-}  // namespace
-
-std::vector<std::vector<double>> judged_commands(const Simulation& simulation, const RunSettings& run) {
-  std::vector<double> rest;
-  for (const auto& actuator : simulation.actuators()) rest.push_back(actuator->limits().rest);
-  std::vector<std::vector<double>> states;
-  if (run.stated) {
-    std::vector<double> now = rest;
-    for (const TimedCommands& timed : run.commands) {
-      for (const auto& [name, value] : timed.commands)
-        now[static_cast<size_t>(simulation.actuator_index(name))] = value;
-      states.push_back(now);
+std::optional<MeshJudge::Reference> MeshJudge::subdivided(const YamlNode& settings, const TetMesh& mesh,
+                                                          std::string& trouble) {
+  TetMesh whole = mesh;
+  complete_boundary(whole);
+  const Subdivision subdivision = subdivide(whole);
+  const Scene fine = build_scene(with_little_effort(settings), subdivision.mesh, judgement_.options);
+  Simulation& simulation = *fine.simulation;
+  const std::vector<Marker> probes = markers_at(probes_, simulation.body().mesh());
+  const SolveCost cost = solve_cost(*simulation.model());
+  const SimulationState start = simulation.state();
+  Reference reference;
+  reference.nodes = mesh.node_count();
+  for (const std::size_t at : furthest(rests_, whole)) {
+    simulation.set_state(carried(rests_.states[at], subdivision, start));
+    EquilibriumOptions roughly;
+    roughly.tolerance = kFineTolerance;
+    const SolveReport report = simulation.solve_equilibrium(roughly);
+    judgement_.cost_s += cost.of(report);
+    if (!report.converged) {
+      trouble = "no rest state on the finer mesh: " + report.message;
+      return std::nullopt;
     }
-    if (states.empty()) states.push_back(rest);
-    return states;
+    const Eigen::Matrix3Xd markers_m = positions_of(simulation.markers(), simulation.state().positions_m);
+    const Eigen::Matrix3Xd probes_m = positions_of(probes, simulation.state().positions_m);
+    const Eigen::Matrix3Xd of_markers = markers_m - rests_.markers_m[at], of_probes = probes_m - rests_.probes_m[at];
+    reference.numbers.push_back(rests_.numbers[at]);
+    reference.markers_m.emplace_back(markers_m + kBeyond * of_markers);
+    reference.probes_m.emplace_back(probes_m + kBeyond * of_probes);
+    reference.unsure_m.push_back(kUnsure * distance(of_markers, of_probes));
+    reference.error_m = std::max(reference.error_m, kFirstOrder * distance(of_markers, of_probes));
   }
-  for (size_t i = 0; i < rest.size(); ++i) {
-    const CommandLimits& limits = simulation.actuators()[i]->limits();
-    if (limits.unit != "1") continue;  // of forces, lengths and pressures nobody knows what is usual
-    const bool cable = simulation.actuator_state(static_cast<int>(i)).rest_length_m.has_value();
-    states.push_back(rest);
-    states.back()[i] =
-        std::clamp((cable ? 1.0 - kUsualShare : 1.0 + kUsualShare) * limits.rest, limits.min, limits.max);
-  }
-  if (states.empty()) states.push_back(rest);
-  return states;
+  return reference;
 }
 
-MeshError estimate_mesh_error(const YamlNode& settings, const TetMesh& mesh, const SceneOptions& options) {
-  MeshError error;
-  Scene coarse = build_scene(settings, mesh, options);
-  if (options.on_warnings) options.on_warnings(coarse.warnings);
-  const TetMesh& whole = coarse.simulation->body().mesh();
-  const std::vector<int> surface = surface_nodes(whole);
-  const std::vector<SimulationState> states = furthest(rest_states(coarse, error.trouble), whole, surface);
-  if (states.empty()) return error;
-
-  const Subdivision subdivision = subdivide(whole);
-  const Scene fine = build_scene(with_little_effort(settings), subdivision.mesh, options);
-  Simulation& simulation = *fine.simulation;
-  const SimulationState start = simulation.state();
-  double difference = 0.0;
-  for (const SimulationState& state : states) {
-    simulation.set_state(carried(state, subdivision, start));
-    const SolveReport report = simulation.solve_equilibrium();
-    if (!report.converged) {
-      error.trouble = "no rest state on the finer mesh: " + report.message;
-      return error;
-    }
-    const Eigen::Matrix3Xd& there = simulation.state().positions_m;
-    difference = std::max({difference, rms_distance(state.positions_m, there, surface),
-                           largest_marker_distance(*coarse.simulation, state.positions_m, simulation, there)});
+MeshError MeshJudge::judge(const YamlNode& settings, const TetMesh& mesh, double enough_m) {
+  MeshError error = settle(settings, mesh);
+  if (!error.trouble.empty()) return error;
+  if (reference_) error.expected_m = error_by_reference();
+  if (error.expected_m && *error.expected_m <= enough_m) return error;
+  const bool finer = reference_ && mesh.node_count() > reference_->nodes;
+  const bool elsewhere = finer && error.expected_m && *error.expected_m > kElsewhere * reference_->error_m;
+  if (error.expected_m && !elsewhere && mesh.node_count() < kReach * reference_->nodes) return error;
+  std::string trouble;
+  if (std::optional<Reference> own = subdivided(settings, mesh, trouble)) {
+    if (!error.expected_m || elsewhere) error.expected_m = own->error_m;
+    reference_ = std::move(own);
+  } else if (error.expected_m) {
+    reference_->nodes = mesh.node_count();  // it has to serve further
+  } else {
+    error.trouble = trouble;
   }
-  error.expected_m = kFirstOrder * difference;
+  return error;
+}
+
+bool MeshJudge::contradicted(const YamlNode& settings, const TetMesh& mesh) {
+  if (!reference_ || !settle(settings, mesh).trouble.empty()) return false;
+  return error_by_reference().value_or(0.0) > reference_->error_m;
+}
+
+MeshError MeshJudge::look_ahead(const YamlNode& settings, const TetMesh& mesh) {
+  MeshError error = settle(settings, mesh);
+  std::optional<Reference> own;
+  if (error.trouble.empty()) own = subdivided(settings, mesh, error.trouble);
+  if (!own) return error;
+  error.expected_m = own->error_m;
+  reference_ = std::move(own);
   return error;
 }
 

@@ -65,6 +65,7 @@ void StepMonitor::diagnose(RunningScene& scene, const BackgroundTraining& traini
   status.add("elements", mesh.tet_count());
   status.add("nodes", mesh.node_count());
   status.add("expected error", scene.fidelity ? expected_error_text(*scene.fidelity) : "not asked for");
+  status.add("fidelity", scene.fidelity ? sentence(*scene.fidelity) : "not asked for");
   status.add("steps not converged in the last second", unconverged_steps_);
   diagnose_solver(scene, training, status);
   status.add("iterations", last_report_.iterations);

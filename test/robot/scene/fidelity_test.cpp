@@ -275,6 +275,9 @@ TEST_F(Fidelity, RefusesWhatItCannotAnswer) {
       {bar + "fidelity: {tolerance_m: 0}\n", "fidelity.tolerance_m: 0 is out of range (0, inf)"},
       {bar + "fidelity: {}\n", "key 'tolerance_m' is missing"},
       {bar + "fidelity: {tolerance_m: 0.01, max_nodes: 10}\n", "max_nodes: 10 is out of range [100, 20000]"},
+      {bar + "fidelity: {tolerance_m: 0.01, use: fast}\n", "'fast' is not one of rest, motion, search, live"},
+      {bar + "fidelity: {tolerance_m: 0.01, real_time: 2}\n", "real_time: is for use: live"},
+      {bar + "fidelity: {tolerance_m: 0.01, use: live, real_time: 0}\n", "real_time: 0 is out of range [0.01, 1000]"},
       {bar + wish + "run: {mode: modal}\n", "a modal run moves no marker"},
       {bar + wish + "markers: []\n", "the scene needs at least one"},
       {bar + "fidelity: {tolerance_m: 0.02, tolerence: 1}\n", "unknown key 'tolerence'"},
@@ -310,6 +313,120 @@ TEST_F(Fidelity, StatesWhatContactOfSkinWouldChangeAndSwitchesItOn) {
   EXPECT_FALSE(refused.simulation->body().touches_itself());
   EXPECT_FALSE(refused.fidelity->met);
   EXPECT_NEAR(refused.fidelity->left_out_contact_m, 0.0026, 0.0002);
+}
+
+TEST_F(Fidelity, ALooserToleranceNeverAsksForMoreNodes) {
+  int last = 1 << 30;
+  for (const double tolerance_m : {0.0003, 0.0006, 0.001, 0.0015, 0.002, 0.003, 0.005, 0.01}) {
+    SCOPED_TRACE(tolerance_m);
+    const Scene scene =
+        load(kPulledBar + "fidelity: {tolerance_m: " + std::to_string(tolerance_m) + ", max_nodes: 2500}\n");
+    if (!scene.fidelity->met) continue;
+    EXPECT_LE(scene.fidelity->nodes, last);
+    last = scene.fidelity->nodes;
+  }
+  EXPECT_LT(last, 300);  // coarser than the mesh by which it is judged
+}
+
+// The coarsest mesh that the tentacle's solid allows, cut into eight, leads 4 mm astray: a mesh that was judged by it
+// was called within 1.1 mm and was 5.3 mm off.
+TEST_F(Fidelity, DoesNotJudgeByAMeshThatLeadsAstray) {
+  const std::string tentacle =
+      "include: " + kConfig + "robots/tentacle/robot.yaml\nrun: {commands: [{time_s: 0, tendon_1: 1.5}]}\n";
+  Scene scene = load(tentacle + "fidelity: {tolerance_m: 0.002}\n");
+  Scene finer = load(tentacle + "body: {element_size_m: 0.0075}\n");
+  EXPECT_TRUE(scene.fidelity->met);
+  EXPECT_GT(finer.simulation->body().mesh().node_count(), scene.fidelity->nodes);
+  EXPECT_LT((settled_markers(scene) - settled_markers(finer)).colwise().norm().maxCoeff(), 0.002);
+}
+
+// 5 mm of the rod's top push the bar up; its cables rub.
+TEST_F(Fidelity, StatesWhatEachPartChanges) {
+  const std::string scene_text = R"(include: bar.yaml
+cables:
+  left: {model: friction, friction_coefficient: 0.4, compliance_m_n: 1.0e-5}
+body: {hysteresis: {stiffness_ratio: 0.3, relaxation_time_s: 1}}
+contact:
+  friction: [{between: [skin, rod], coefficient: 0.3}]
+  obstacles: [{name: rod, cylinder: {start_m: [0.06, -0.03, -0.016], end_m: [0.06, 0.03, -0.016], radius_m: 0.005}}]
+gravity_m_s2: [0, 0, -9.81]
+run: {commands: [{time_s: 0, left: 0.95}]}
+fidelity: {tolerance_m: 0.003}
+)";
+  Scene scene = load(scene_text);
+  std::vector<std::string> names;
+  for (const PartEffect& effect : scene.fidelity->parts) {
+    names.push_back(effect.part);
+    EXPECT_EQ(effect.trouble, "");
+    if (effect.part == "hysteresis") EXPECT_EQ(effect.moved_m, 0.0) << "at rest it has relaxed";
+    if (effect.part == "obstacles") EXPECT_GT(effect.moved_m, 0.001);
+    EXPECT_EQ(effect.may_go, effect.moved_m < 0.0003) << effect.part;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"obstacles", "friction of contact", "friction of cables", "hysteresis"}));
+  EXPECT_NE(sentence(*scene.fidelity).find("not needed: "), std::string::npos) << sentence(*scene.fidelity);
+  const auto json = nlohmann::json::parse(result_json(scene, run_scene(scene)))["fidelity"];
+  EXPECT_EQ(json["parts"].size(), 4U);
+  EXPECT_EQ(json["sentence"], sentence(*scene.fidelity));
+  const Scene again = load(scene_text);
+  EXPECT_TRUE(again.fidelity->from_cache);
+  EXPECT_EQ(sentence(*again.fidelity), sentence(*scene.fidelity));
+}
+
+TEST_F(Fidelity, SaysWhatItCannotDoWithout) {
+  const Scene scene = load(R"(body:
+  solid: {box: {size_m: [0.02, 0.02, 0.02], center_m: [0, 0, 0.01]}}
+gravity_m_s2: [0, 0, -9.81]
+markers: [{name: top, position_m: [0, 0, 0.02]}]
+contact: {friction: 0.5, obstacles: [{name: floor, plane: {point_m: [0, 0, 0], normal: [0, 0, 1]}}]}
+fidelity: {tolerance_m: 0.001}
+)");
+  ASSERT_FALSE(scene.fidelity->parts.empty());
+  EXPECT_EQ(scene.fidelity->parts[0].part, "obstacles");
+  EXPECT_NE(scene.fidelity->parts[0].trouble.find("the scene cannot do without it"), std::string::npos)
+      << scene.fidelity->parts[0].trouble;
+  EXPECT_FALSE(scene.fidelity->parts[0].may_go);
+}
+
+TEST_F(Fidelity, SaysWhereToleranceAndSpeedCannotBothBeHad) {
+  const std::string live = "include: bar.yaml\nfidelity: {use: live, tolerance_m: ";
+  const Scene easy = load(live + "0.05, real_time: 2}\n");
+  EXPECT_TRUE(easy.fidelity->met) << sentence(*easy.fidelity);
+  EXPECT_GE(easy.fidelity->expected_real_time, 2.0);
+  const Scene hard = load(live + "0.001, real_time: 20}\n");
+  EXPECT_FALSE(hard.fidelity->met);
+  EXPECT_NE(sentence(*hard.fidelity).find("cannot both be had"), std::string::npos) << sentence(*hard.fidelity);
+  EXPECT_GE(hard.fidelity->expected_real_time, 20.0);
+  const Scene hopeless = load(live + "0.001, real_time: 1000}\n");
+  EXPECT_FALSE(hopeless.fidelity->met);
+  EXPECT_NE(sentence(*hopeless.fidelity).find("none comes to 1000 times real time"), std::string::npos)
+      << sentence(*hopeless.fidelity);
+}
+
+TEST_F(Fidelity, TrainsAReducedModelWhereNewtonIsTooSlow) {
+  options_.reduced = ReducedUse::trained;
+  const std::string text =
+      "include: bar.yaml\ncables: {left: {min_contraction: 0.9}, right: {min_contraction: 0.9}}\n"
+      "fidelity: {use: live, tolerance_m: 0.02, real_time: 600}\n";
+  const Scene scene = load(text);
+  ASSERT_TRUE(scene.fidelity->choice->reduced) << summary(*scene.fidelity);
+  EXPECT_TRUE(scene.fidelity->met);
+  EXPECT_TRUE(scene.reduction);
+  EXPECT_GT(scene.fidelity->reduced_error_m, 0.0);
+  EXPECT_NEAR(*scene.fidelity->expected_error_m,
+              scene.fidelity->mesh_error_m + scene.fidelity->time_error_m + scene.fidelity->reduced_error_m, 1e-9);
+  const Scene again = load(text);
+  EXPECT_TRUE(again.fidelity->from_cache);
+  EXPECT_TRUE(again.reduction);
+  options_.reduced = ReducedUse::refused;  // of a program that knows no reduced models
+  EXPECT_FALSE(load(text).fidelity->choice->reduced);
+}
+
+TEST_F(Fidelity, ASearchIsJudgedAtMorePlaces) {
+  const Scene rest = load(kPulledBar + "fidelity: {tolerance_m: 0.005}\n");
+  const Scene search = load(kPulledBar + "fidelity: {tolerance_m: 0.005, use: search}\n");
+  EXPECT_TRUE(search.fidelity->met);
+  EXPECT_EQ(search.fidelity->use, FidelityUse::search);
+  EXPECT_GE(search.fidelity->nodes, rest.fidelity->nodes);
 }
 
 TEST_F(Fidelity, BearsSectionsOfOtherPrograms) {

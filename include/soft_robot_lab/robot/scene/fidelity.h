@@ -10,21 +10,57 @@
 
 namespace soft_robot_lab {
 
+// What a scene is chosen for: rest states of its run, motion of its run, a search over the actuators' ranges by rest
+// states, or a session that somebody moves.
+enum class FidelityUse { rest, motion, search, live };
+
 struct TimeStepChoice {
   Integrator integrator = Integrator::implicit_euler;
   double time_step_s = 0.0;
 };
 
+// A reduced model in place of method newton.
+struct ReducedFidelity {
+  double tolerance_m = 0.0;  // it is trained to
+  int modes = 0;
+  double error_m = 0.0;  // largest distance from newton on what it was not trained with
+};
+
 // Beside quadratic elements and the method newton.
 struct FidelityChoice {
-  std::optional<double> element_size_m;   // none where the scene names a mesh
-  std::optional<TimeStepChoice> in_time;  // none at rest
-  bool self_contact = false;              // switched on: without it the markers would be off by more than the tolerance
+  std::optional<double> element_size_m;    // none where the scene names a mesh
+  std::optional<TimeStepChoice> in_time;   // none at rest
+  std::optional<ReducedFidelity> reduced;  // none: newton
+  bool self_contact = false;  // switched on: without it the markers would be off by more than the tolerance
+};
+
+// What an optional part of a scene changes at the judged states: contact, friction, hysteresis, viscosity.
+struct PartEffect {
+  std::string part;
+  double moved_m = 0.0;  // of the marker that it moves most
+  std::string marker;    // its name
+  bool may_go = false;   // less than a tenth of the tolerance
+  std::string trouble;   // why it is not known; else empty
+};
+
+// Counted by solves and the size of their matrix, in CPU time of the results page's machine, so that no load and no
+// other machine changes it.
+struct FidelityCost {
+  double rest_state_s = 0.0;  // of a judged rest state
+  double per_second_s = 0.0;  // of a simulated second; 0 where nothing moves
+  double choosing_s = 0.0;    // of choosing and judging
+};
+
+// A mesh that was looked at, and its expected error in the judged states; none where no estimate was found.
+struct JudgedMesh {
+  int nodes = 0;
+  std::optional<double> expected_error_m;
 };
 
 struct FidelityReport {
-  double tolerance_m = 0.0;              // of the markers; 0: the scene was judged as it is
-  bool met = true;                       // the tolerance; without a known error it is not
+  double tolerance_m = 0.0;  // of the markers; 0: the scene was judged as it is
+  FidelityUse use = FidelityUse::rest;
+  bool met = true;                       // the tolerance, and the speed; without a known error they are not
   std::optional<FidelityChoice> choice;  // none where the scene was judged as it is
   int nodes = 0;                         // of the mesh that was chosen or judged
 
@@ -33,9 +69,16 @@ struct FidelityReport {
   std::optional<double> expected_error_m;
   double mesh_error_m = 0.0;
   double time_error_m = 0.0;
+  double reduced_error_m = 0.0;
   std::string trouble;
   double left_out_contact_m = 0.0;  // how far contact of skin with skin would move a marker, where it is left out
 
+  double real_time = 0.0;           // asked for, times real time; 0: not
+  double expected_real_time = 0.0;  // by counted costs; 0: not judged in motion
+  FidelityCost cost;
+
+  std::vector<JudgedMesh> meshes;     // from coarse to fine
+  std::vector<PartEffect> parts;      // those that the scene has
   std::vector<std::string> reasons;   // of the choice, for a reader
   std::vector<std::string> left_out;  // what the model does without, for a reader
   bool from_cache = false;
@@ -44,6 +87,9 @@ struct FidelityReport {
 
 // "expected error 0.41 mm (tolerance 1 mm)", or why there is none.
 std::string expected_error_text(const FidelityReport& report);
+
+// What was chosen, why, its expected error, its cost, and what is left out with its size: one sentence.
+std::string sentence(const FidelityReport& report);
 
 // All of it in a few lines.
 std::string summary(const FidelityReport& report);

@@ -65,6 +65,7 @@ await_lamp "nearly full"
 await_growth
 mount -o remount,size="$(($(du -sb "$folder" | cut -f1) + 300000))" "$folder"
 await_lamp "the disk is full"
+until rosservice type /controller/execute_policy >/dev/null 2>&1; do kill -0 "$session"; sleep 0.2; done
 rosservice call /controller/execute_policy '{policy: {names: [right], steps: [{time_s: 0.2, values: [0.97]}]}}' | grep "success: True"
 mount -o remount,size=100g "$folder"
 await_lamp "recording grows"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A running tracker gets what real cameras send on bad days: it says so, and goes on with the other camera.
 #include <cstring>
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <map>
@@ -119,9 +120,13 @@ class TrackedCameras : public testing::Test {
 
   void expect_markers_in_their_places(double within_m = 1e-3) {
     latest_.reset();
-    ASSERT_TRUE(play_until([&] { return latest_ != nullptr; }));
+    // A busy machine's frames come late now and then, and what they show is predicted.
+    const auto all_seen = [&] {
+      return latest_ && std::all_of(latest_->sources.begin(), latest_->sources.end(),
+                                    [](auto source) { return source == MarkerObservations::SEEN; });
+    };
+    ASSERT_TRUE(play_until(all_seen));
     EXPECT_EQ(latest_->names.size(), places_m.size());
-    for (const std::uint8_t source : latest_->sources) EXPECT_EQ(source, MarkerObservations::SEEN);
     for (const auto& [name, position_m] : places_m)
       EXPECT_LT((position_of(*latest_, name) - position_m).norm(), within_m) << name;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A running tracker gets what real cameras send on bad days: it says so, and goes on with the other camera.
-#include <cstring>
 #include <algorithm>
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <map>

@@ -57,7 +57,8 @@ foreach(name ${of_study})
 endforeach()
 move_to(study ${moved})
 
-file(GLOB_RECURSE compiled LIST_DIRECTORIES true ${main}/lib/python3/*__pycache__)
+file(GLOB_RECURSE compiled LIST_DIRECTORIES true ${main}/lib/python3/*)
+list(FILTER compiled INCLUDE REGEX "/__pycache__$")
 file(REMOVE_RECURSE ${compiled})
 move_to(python lib/python3)
 

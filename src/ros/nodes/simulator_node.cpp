@@ -130,7 +130,7 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
   const std::string path = scene->path, solver = scene->solver();
   ActuatorRanges ranges;
   {
-    const auto lock = gate_.wait();
+    const StepGate::Turn turn(gate_);  // the old scene's step may last
     ranges = actuator_ranges(*scene->simulation, session_time());
     run_from_now(std::move(scene));
     publisher_.show(*scene_->simulation, session_time());
@@ -260,7 +260,7 @@ std::string SimulatorNode::change_solver(const std::string& solver) {
   std::string path, before;
   SimulationState start;
   {
-    const auto lock = gate_.wait();
+    const StepGate::Turn turn(gate_);
     path = scene_->path;
     before = handover_.training().failed() ? "" : scene_->solver();
     start = scene_->start.full;

@@ -33,7 +33,7 @@ start=$SECONDS
 inside bash -c '
   roslaunch -p 11399 soft_robot_lab session.launch robot:=spinebot rviz:=false >/tmp/session.log 2>&1 &
   export ROS_MASTER_URI=http://127.0.0.1:11399
-  until rostopic list >/dev/null 2>&1; do kill -0 $! || exit 1; sleep 0.2; done
+  until rostopic list >/dev/null 2>&1; do kill -0 $! || { tail /tmp/session.log; exit 1; }; sleep 0.2; done
   timeout 110 rosrun soft_robot_lab reach_target_node /usr/share/soft_robot_lab/config/robots/spinebot/tasks/ball.yaml || { tail /tmp/session.log; exit 1; }
   kill -INT $!
   wait'

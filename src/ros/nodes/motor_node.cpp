@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/ActuatorCommand.h>
@@ -19,6 +18,7 @@
 #include "hardware/motor/pressure_driver.h"
 #include "hardware/motor/serial_port.h"
 #include "ros/base/log_text.h"
+#include "ros/base/node_diagnosis.h"
 #include "ros/messages/message_limits.h"
 #include "ros/messages/motor_messages.h"
 #include "ros/base/topics.h"
@@ -57,15 +57,13 @@ template <class Driver>
 class DriveNode {
  public:
   DriveNode(const RigSettings& rig, const DriverOptions& options)
-      : driver_(rig, options, [device = rig.device] { return open_serial_port(device); }) {
+      : driver_(rig, options, [device = rig.device] { return open_serial_port(device); }), diagnosis_(rig.device) {
     state_ = node_.advertise<MotorState>(topics::motor_state, 10);
     commands_ = node_.subscribe(topics::actuator_command, 100, &DriveNode::on_command, this);
     stop_ = node_.advertiseService(topics::motor_stop, &DriveNode::stop, this);
     clear_ = node_.advertiseService(topics::motor_clear, &DriveNode::clear, this);
-    diagnostics_.setHardwareID(rig.device);
-    diagnostics_.add("motors", [this](auto& status) { diagnose(driver_, status); });
-    diagnostics_timer_ =
-        node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+    diagnosis_.add("motors", [this](auto& status) { diagnose(driver_, status); });
+    diagnosis_.start();
     state_timer_ =
         node_.createSteadyTimer(ros::WallDuration(state_period_s), [this](const auto&) { publish(ros::Time::now()); });
   }
@@ -159,8 +157,8 @@ class DriveNode {
   ros::Publisher state_;
   ros::Subscriber commands_;
   ros::ServiceServer stop_, clear_;
-  diagnostic_updater::Updater diagnostics_;
-  ros::SteadyTimer diagnostics_timer_, state_timer_;
+  NodeDiagnosis diagnosis_;
+  ros::SteadyTimer state_timer_;
 };
 
 class MotorNode : public DriveNode<MotorDriver> {

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
 #include <std_srvs/SetBool.h>
@@ -13,6 +12,7 @@
 #include "ros/base/node_process.h"
 #include "ros/recording/recorder_process.h"
 #include "ros/recording/session_watch.h"
+#include "ros/base/node_diagnosis.h"
 #include "ros/base/topics.h"
 
 namespace soft_robot_lab {
@@ -47,18 +47,16 @@ class SessionWatchNode {
     read_parameter(parameters, "nodes", names);
     for (const std::string& name : names) nodes_.emplace_back(name);
     if (!recorder_.empty()) nodes_.emplace_back(recorder_);
-    diagnostics_.setHardwareID("session");
-    diagnostics_.add("session", this, &SessionWatchNode::diagnose);
     recording_publisher_ = ros::NodeHandle().advertise<std_msgs::Bool>(topics::session_recording, 1, true);
     publish_recording();
     if (!bag_folder_.empty())
       service_ = ros::NodeHandle().advertiseService(topics::session_record, &SessionWatchNode::record, this);
-    timer_ = ros::NodeHandle().createSteadyTimer(ros::WallDuration(1.0),
-                                                 [this](const auto&) { diagnostics_.force_update(); });
+    diagnosis_.add("session", [this](auto& status) { diagnose(status); });
+    diagnosis_.start();
   }
 
  private:
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  void diagnose(NodeDiagnosis::Status& status) {
     const Moment now = present();
     Finding all;
     for (NodeWatch& node : nodes_) {
@@ -82,7 +80,7 @@ class SessionWatchNode {
     log(all);
   }
 
-  Finding asked_recording(const Moment& now, diagnostic_updater::DiagnosticStatusWrapper& status) {
+  Finding asked_recording(const Moment& now, NodeDiagnosis::Status& status) {
     publish_recording();
     if (asked_.ended_by_itself())
       return {Finding::Level::error, "recording: the recorder ended by itself; press Record"};
@@ -151,10 +149,9 @@ class SessionWatchNode {
   BagWatch asked_bag_;
   std::vector<NodeWatch> nodes_;
   BagWatch recording_;
-  diagnostic_updater::Updater diagnostics_;
+  NodeDiagnosis diagnosis_{"session"};
   ros::Publisher recording_publisher_;
   ros::ServiceServer service_;
-  ros::SteadyTimer timer_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a session says once, and again to newcomers: its frames, and which scene runs by which solver.
+// What a session publishes once, and again to each new subscriber: its frames, and which scene and solver run.
 #pragma once
 
 #include <string>

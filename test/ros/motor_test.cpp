@@ -44,15 +44,6 @@ class Motors : public testing::Test {
     });
   }
 
-  void wait_for(const std::string& what, const std::function<bool()>& reached) {
-    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(30.0);
-    while (!reached()) {
-      if (ros::WallTime::now() > limit) throw std::runtime_error("waited in vain for " + what);
-      ros::spinOnce();
-      ros::WallDuration(0.002).sleep();
-    }
-  }
-
   void command(const std::vector<double>& values) {
     ActuatorCommand message;
     message.names = {"left", "right"};

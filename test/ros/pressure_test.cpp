@@ -52,15 +52,6 @@ class Pressures : public testing::Test {
         boost::function<void(const typename Message::ConstPtr&)>([&message](const auto& m) { message = *m; })));
   }
 
-  void wait_for(const std::string& what, const std::function<bool()>& reached) {
-    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(30.0);
-    while (!reached()) {
-      if (ros::WallTime::now() > limit) throw std::runtime_error("waited in vain for " + what);
-      ros::spinOnce();
-      ros::WallDuration(0.002).sleep();
-    }
-  }
-
   // Again and again: on a busy machine the link may be lost for a moment, and the air goes out.
   void command_until(const std::string& what, double value_pa, const std::function<bool()>& reached) {
     ros::WallTime due;

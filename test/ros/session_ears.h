@@ -21,6 +21,11 @@ bool spin_until(const Condition& condition, double limit_s = 20.0) {
   return true;
 }
 
+template <typename Condition>
+void wait_for(const std::string& what, const Condition& reached) {
+  if (!spin_until(reached, 30.0)) throw std::runtime_error("waited in vain for " + what);
+}
+
 // The next message, or, of a latched topic, the last.
 template <typename Message>
 typename Message::ConstPtr hear(ros::NodeHandle& node, const std::string& topic) {

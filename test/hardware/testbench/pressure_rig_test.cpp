@@ -11,6 +11,7 @@
 #include "hardware/motor/motor_driver.h"
 #include "hardware/testbench/emulated_session.h"
 #include "hardware/testbench/pressure_session.h"
+#include "refusal.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -34,18 +35,6 @@ std::string rig_file(const std::string& yaml) {
   const std::string path = testing::TempDir() + "pressure_rig_" + name + ".yaml";
   std::ofstream(path) << yaml;
   return path;
-}
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-std::string refusal(LockStepSession& session, const std::vector<std::string>& names,
-                    const std::vector<double>& values) {
-  try {
-    session.command(names, values);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
 }
 
 constexpr double tolerance_pa = 2000.0;

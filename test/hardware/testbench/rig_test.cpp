@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hardware/testbench/emulated_session.h"
+#include "refusal.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -21,18 +22,6 @@ EmulatedSession emulate(const std::string& yaml) {
 
 constexpr auto left = 0;
 constexpr auto right = 1;
-
-std::string refusal(EmulatedSession& session, const std::vector<std::string>& names,
-                    const std::vector<double>& values) {
-  try {
-    session.command(names, values);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 class Rig : public testing::Test {
  protected:

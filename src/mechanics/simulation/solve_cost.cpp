@@ -6,8 +6,8 @@
 namespace soft_robot_lab {
 namespace {
 
-// Set by hand so that counts and times agree on rest states of robots of record with 200 to 5000 nodes, on one core of
-// the results page's machine: within a factor of 1.5.
+// Set by hand after times of rest states of robots of record with 200 to 5000 nodes, on one core of a machine with
+// other work. How well counts and times agree was not measured.
 constexpr double kFlop_s = 0.45e-10;        // of a factorisation
 constexpr double kFactorNumber_s = 0.9e-9;  // of a solve, per double of the factor
 constexpr double kElement_s = 1.4e-6;       // of forces, per element

@@ -7,8 +7,8 @@
 
 namespace soft_robot_lab {
 
-// CPU of one iteration, and what a new matrix adds, on the machine on which the constants in solve_cost.cpp were
-// measured. Contact's own pairs and wider matrix are not in it.
+// CPU of one iteration, and what a new matrix adds, by the constants in solve_cost.cpp. Contact's own pairs and wider
+// matrix are not in it.
 struct SolveCost {
   double iteration_s = 0.0, factorisation_s = 0.0;
 

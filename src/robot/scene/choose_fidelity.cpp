@@ -16,7 +16,7 @@ namespace {
 // Part of every key of the cache: raise it when another choice or estimate would be made of the same scene.
 constexpr const char* kFidelityVersion = "soft_robot_lab fidelity 11";
 constexpr double kShareOfTime = 0.5;     // of the tolerance, in a dynamic run
-constexpr double kSpeedMargin = 1.5;     // counted costs are within a factor of that of measured ones
+constexpr double kSpeedMargin = 1.5;     // for what counted costs leave out
 constexpr double kWorthTraining = 2.0;   // what newton takes for a run, over training
 constexpr double kShareOfReduced = 0.2;  // of the tolerance, the largest distance of a reduced model from newton
 constexpr double kRmsOfLargest = 0.25;   // of a reduced model's distances, what is usual
@@ -25,8 +25,6 @@ constexpr int kMostUnknown = 2;          // rungs without an estimate, after one
 
 // Whatever solver a scene names: all of them find the same rest states and motions, this one soonest.
 Overrides newton() { return Overrides().set({"solver", "method"}, "newton"); }
-
-bool moves(FidelityUse use) { return use == FidelityUse::motion || use == FidelityUse::live; }
 
 // Looks at one rung after the other, and keeps the one to take.
 class FidelityChooser {

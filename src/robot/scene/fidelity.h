@@ -54,6 +54,8 @@ inline ContentCache cache_of(const SceneOptions& options) {
   return ContentCache(cache_folder(mesher_options(options)));
 }
 
+inline bool moves(FidelityUse use) { return use == FidelityUse::motion || use == FidelityUse::live; }
+
 struct FidelityRequest {
   double tolerance_m = 0.0;  // > 0
   int max_nodes = 5000;      // [100, 20000]; the estimate's own mesh has up to eight times as many

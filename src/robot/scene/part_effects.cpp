@@ -131,8 +131,7 @@ std::vector<PartEffect> part_effects(const YamlNode& settings, const TetMesh& me
   if (parts.empty()) return effects;
   std::vector<Eigen::Matrix3Xd> motion;
   std::string trouble;
-  if (judgement.use == FidelityUse::motion || judgement.use == FidelityUse::live)
-    motion = judged_motion(settings, mesh, judgement, trouble);
+  if (moves(judgement.use)) motion = judged_motion(settings, mesh, judgement, trouble);
   for (const OptionalPart& part : parts) effects.push_back(effect_of(part, settings, mesh, rests, motion, judgement));
   return effects;
 }

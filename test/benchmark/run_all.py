@@ -9,6 +9,7 @@
     run_all.py --check page|subjects       ends with 1 where the page is not what is stored, or a table is older than its subject
 """
 import argparse
+import contextlib
 import json
 import os
 import re
@@ -60,7 +61,9 @@ def shown(words):
 
 
 def measure(table, programs, folder, keep):
-    with tempfile.TemporaryDirectory() as out:
+    with contextlib.ExitStack() as stack:
+        out = os.path.join(keep, table.name) if keep else stack.enter_context(tempfile.TemporaryDirectory())
+        os.makedirs(out, exist_ok=True)
         with provenance.Measuring(ROOT) as measured:
             texts = {command.label: run_command(command, programs, out) for command in table.commands}
         result = table.parse(texts)
@@ -69,8 +72,6 @@ def measure(table, programs, folder, keep):
             kept = os.path.join(ROOT, 'config', 'doc', name)
             shutil.copyfile(os.path.join(out, made), kept)
             pictures[name] = provenance.contents_hash(kept)
-        if keep:
-            shutil.copytree(out, os.path.join(keep, table.name), dirs_exist_ok=True)
     commands = [shown(command.words) for command in table.commands]
     result = {**result, 'pictures': pictures, 'measured': {**measured.provenance, 'commands': commands},
               'subject': provenance.subject(table.subject, ROOT)}
@@ -118,7 +119,7 @@ def main():
     parser.add_argument('--older', action='store_true')
     parser.add_argument('--write', action='store_true')
     parser.add_argument('--check', choices=['page', 'subjects'])
-    parser.add_argument('--keep', metavar='FOLDER', help='keeps all files that were written, in a folder for each table')
+    parser.add_argument('--keep', metavar='FOLDER', help='where all files are written and kept, in a folder for each table; what `rest_states` had judged there is not judged again')
     parser.add_argument('--programs', default=os.path.join(ROOT, 'devel', 'lib', 'soft_robot_lab'))
     arguments = parser.parse_args()
     folder, path = os.path.join(HERE, 'results'), os.path.join(HERE, 'README.md')

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Time as the judge: drawn scenes rest where a slow, damped motion in time leads.
+#include <unistd.h>
+
+#include <filesystem>
 #include <functional>
 #include <numeric>
 #include <string>
@@ -10,6 +13,7 @@
 #include "study/experiments/drawn_rest_states.h"
 #include "study/experiments/drawn_robots.h"
 #include "study/experiments/drawn_scenes.h"
+#include "study/experiments/judged_scenes.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -95,6 +99,30 @@ INSTANTIATE_TEST_SUITE_P(Seeds, DrawnRestStates, testing::Range(0, 4));
 TEST(DrawnScenes, AreTheSameForTheSameSeed) {
   EXPECT_EQ(draw_scene(7, 4.0).text(1.0), draw_scene(7, 4.0).text(1.0));
   EXPECT_NE(draw_scene(7, 4.0).text(1.0), draw_scene(8, 4.0).text(1.0));
+}
+
+// What had been judged when a run was ended is not judged again, unless the settings changed.
+TEST(JudgedScenes, GoOnWhereAnEarlierRunWasEnded) {
+  const std::string file = testing::TempDir() + "judged_" + std::to_string(getpid()) + ".jsonl";
+  JudgedScene judged;
+  judged.name = "7 ball";
+  judged.apart_m = 0.25e-3;
+  {
+    JudgedScenes scenes(file, "one");
+    scenes.add(3, {judged, judged});
+    scenes.add(5, {judged});
+    EXPECT_EQ(scenes.of_earlier_run(), 0);
+  }
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 9);  // ended within a line
+  const JudgedScenes again(file, "one");
+  EXPECT_EQ(again.of_earlier_run(), 1);
+  EXPECT_EQ(again.find(5), nullptr);
+  ASSERT_NE(again.find(3), nullptr);
+  ASSERT_EQ(again.find(3)->size(), 2U);
+  EXPECT_EQ(again.find(3)->front().name, "7 ball");
+  EXPECT_EQ(again.find(3)->front().apart_m, 0.25e-3);
+  EXPECT_EQ(JudgedScenes(file, "other").of_earlier_run(), 0);
+  std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -10,8 +10,10 @@
 #include "control/identification/simulated_now.h"
 #include "drawn_rest_states.h"
 #include "drawn_robots.h"
+#include "judged_scenes.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "settings/cpu_time.h"
+#include "settings/read_file.h"
 #include "settings/words.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
@@ -161,13 +163,16 @@ DrawnMotion drawn(int i, const DrawnSettings& settings, const ExperimentContext&
 
 // Rows of those whose equilibrium says something or is not where time leads.
 void judge_drawn_scenes(const DrawnSettings& settings, const ExperimentContext& context, ExperimentResult& result) {
+  JudgedScenes all(context.output_folder + "/judged.jsonl",
+                   read_regular_file(context.settings_file("rest_states"), kLargestSettings_bytes));
   int judgements = 0, right = 0, said = 0;
   double worst_m = 0.0;
   const int scenes = settings.scenes + settings.joined_scenes + settings.robot_scenes;
   for (int i = 0; i < scenes; ++i) {
     const DrawnMotion scene = drawn(i, settings, context);
     context.report(0.5 + 0.5 * i / scenes, scene(settings.motion_s).name);
-    for (const JudgedScene& judged : judge_drawn_scene(scene, settings, context)) {
+    if (!all.find(i)) all.add(i, judge_drawn_scene(scene, settings, context));
+    for (const JudgedScene& judged : *all.find(i)) {
       const bool apart = judged.apart_m > settings.within_m;
       ++judgements;
       if (judged.right(settings.within_m)) {
@@ -193,6 +198,7 @@ void judge_drawn_scenes(const DrawnSettings& settings, const ExperimentContext& 
   words << " Of " << judgements << " equilibria of " << scenes << " drawn scenes " << right
         << " rest where a slow motion in time leads, within " << 1e6 * worst_m << " um, or say why not (" << said
         << ").";
+  if (all.of_earlier_run() > 0) words << ' ' << all.of_earlier_run() << " of the scenes were judged by an earlier run.";
   result.we_find += words.str();
 }
 

@@ -62,6 +62,7 @@ inline constexpr std::uintmax_t kTaskFile_bytes = 4294967296;  // bytes of a pro
 inline constexpr std::uintmax_t kLog_bytes = 1048576;          // bytes of what a program said that is read
 inline constexpr std::size_t kCommandLine_bytes = 4096;        // bytes of a request to the emulated rig
 inline constexpr std::size_t kArchive_bytes = 4294967294;      // bytes of an npz file
+inline constexpr std::uint32_t kChunk_bytes = 1073741824;      // bytes of a chunk of a bag, unpacked
 inline constexpr long kTree_bytes = 256000000;                 // bytes of a settings file with all that aliases repeat
 inline constexpr long kTree_nodes = 500000;                    // values in a settings file
 inline constexpr int kTree_depth = 100;                        // maps and lists within each other

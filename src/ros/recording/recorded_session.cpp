@@ -7,7 +7,6 @@
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 
-#include "bag_index.h"
 #include "ros/messages/conversions.h"
 #include "ros/tracking/gap_meter.h"
 #include "ros/messages/message_limits.h"
@@ -82,7 +81,6 @@ void add(const rosbag::MessageInstance& message, RecordedSession& session, Marke
 }
 
 void read(const std::string& path, RecordedSession& session) {
-  require_sound_index(path);
   const rosbag::Bag bag = open_bag(path);
   rosbag::View view(bag);
   session.start_s = view.getBeginTime().toSec();

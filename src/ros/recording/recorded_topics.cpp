@@ -39,6 +39,7 @@ std::string relative(const std::string& topic) {
 }
 
 rosbag::Bag open_bag(const std::string& path) {
+  require_sound(path);
   rosbag::Bag bag;
   bag.open(path, rosbag::bagmode::Read);
   return bag;

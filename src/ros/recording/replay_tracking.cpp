@@ -10,7 +10,6 @@
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 
-#include "bag_index.h"
 #include "recorded_frames.h"
 #include "recorded_topics.h"
 #include "repeat_steps.h"
@@ -196,7 +195,6 @@ void require_seen(const Findings& findings, const std::string& bag, const std::s
 
 ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::string& bag_path,
                               const std::string& output_path) {
-  require_sound_index(bag_path);
   const rosbag::Bag bag = open_bag(bag_path);
   const double start_s = cpu_time_s();
   Findings findings;

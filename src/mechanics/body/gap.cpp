@@ -133,6 +133,19 @@ Eigen::Isometry3d pose_at(const Obstacle& obstacle, double time_s) {
   return pose_at(obstacle.motion, center_m(obstacle.shape), time_s);
 }
 
+double end_of_motion_s(const std::vector<Obstacle>& obstacles) {
+  double end_s = 0.0;
+  for (const Obstacle& obstacle : obstacles)
+    if (!obstacle.motion.empty()) end_s = std::max(end_s, obstacle.motion.back().time_s);
+  return end_s;
+}
+
+bool any_moves_between(const std::vector<Obstacle>& obstacles, double from_s, double to_s) {
+  return std::any_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
+    return pose_at(obstacle, from_s).matrix() != pose_at(obstacle, to_s).matrix();
+  });
+}
+
 Eigen::Isometry3d pose_at(const std::vector<ObstaclePose>& motion, const Vector3d& middle_m, double time_s) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   if (motion.empty()) return pose;

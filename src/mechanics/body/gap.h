@@ -32,6 +32,8 @@ Eigen::Isometry3d pose_at(const std::vector<ObstaclePose>& motion, const Eigen::
 
 // From the shape as stated to where it stands.
 Eigen::Isometry3d pose_at(const Obstacle& obstacle, double time_s);
+double end_of_motion_s(const std::vector<Obstacle>& obstacles);
+bool any_moves_between(const std::vector<Obstacle>& obstacles, double from_s, double to_s);
 
 // What takes all that moves with a centre along: it moves, and turns by an axis times an angle.
 Eigen::Isometry3d moved_about(const Eigen::Vector3d& center_m, const Eigen::Vector3d& way_m,

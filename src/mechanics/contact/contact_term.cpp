@@ -14,6 +14,11 @@ constexpr double kLooksAway = 0.05, kPressedLooksAway = 0.1;
 
 }  // namespace
 
+void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces) {
+  forces.col(2 * touch.free) -= force_n;
+  forces.col(2 * touch.free + 1) -= touch.arm_m.cross(force_n);
+}
+
 ContactTerm::ContactTerm(const Body& body)
     : obstacles_(body.obstacles()),
       points_(obstacles_.empty() ? ContactPoints() : ContactPoints(body)),
@@ -37,19 +42,6 @@ ContactTerm::ContactTerm(const Body& body)
     reading.surface = name(pair.second);
   }
   anchor_count_ = anchors + (skin_.rubs() ? skin_.points().count() : 0);
-}
-
-double ContactTerm::end_of_motion_s() const {
-  double end_s = 0.0;
-  for (const Obstacle& obstacle : obstacles_)
-    if (!obstacle.motion.empty()) end_s = std::max(end_s, obstacle.motion.back().time_s);
-  return end_s;
-}
-
-bool ContactTerm::moves_between(double from_s, double to_s) const {
-  return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Obstacle& obstacle) {
-    return pose_at(obstacle, from_s).matrix() != pose_at(obstacle, to_s).matrix();
-  });
 }
 
 std::vector<Clique> ContactTerm::cliques() const {
@@ -147,18 +139,6 @@ void ContactTerm::find_touches(int obstacle, const Eigen::Matrix3Xd& positions_m
   }
 }
 
-Eigen::Vector3d ContactTerm::away_m(const ContactTouch& touch, const ContactSums& start, const ContactSums& now) const {
-  Eigen::Vector3d away_m = touch.away_m;
-  if (touch.on_skin())
-    away_m += skin_.relative_m(touch, now.positions_m) - skin_.relative_m(touch, start.positions_m);
-  else if (touch.free >= 0)
-    away_m = now.points_m.col(point_of(touch.pair)) -
-             free_.pose(touch.free, now.free) * (free_.pose(touch.free, start.free).inverse() * touch.anchor_m);
-  else
-    away_m = now.points_m.col(point_of(touch.pair)) - touch.anchor_m;
-  return away_m - touch.normal * touch.normal.dot(away_m);
-}
-
 void ContactTerm::add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state,
                                const ContactSums& sums, ContactTouch& touch) const {
   const int point = point_of(touch.pair);
@@ -174,11 +154,6 @@ void ContactTerm::add_at(const ContactTouch& touch, const Eigen::Vector3d& force
   const auto shape = points.shape(point);
   for (int a = 0; a < points.nodes_per_face(); ++a) forces_n.col(points.node(face, a)) += shape[a] * force_n;
   if (touch.on_skin()) skin_.add_back(touch, force_n, forces_n);
-}
-
-void ContactTerm::add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces) {
-  forces.col(2 * touch.free) -= force_n;
-  forces.col(2 * touch.free + 1) -= touch.arm_m.cross(force_n);
 }
 
 Eigen::Vector3d ContactTerm::relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
@@ -283,16 +258,6 @@ void ContactTerm::commit(const Eigen::Matrix3Xd& positions_m, ContactState& stat
     for (int point = 0; point < points_.count(); ++point)
       state.anchors_m.col(first_anchor_[i] + point) = back * sums.points_m.col(point);
   }
-}
-
-double ContactTerm::rubbed_j(const ContactSums& at) const {
-  double sum = rigid_.rubbed_j(at.rigid);
-  for (const ContactTouch& touch : at.touches) {
-    if (!touch.rubs() || touch.pressure_pa == 0.0) continue;
-    const Eigen::Vector3d traction_pa = touch.friction.traction_pa(touch.away_m);
-    sum += weight_m2(touch.pair) * traction_pa.dot(touch.away_m - touch.friction.compliance_m_pa * traction_pa);
-  }
-  return sum;
 }
 
 ContactReading& ContactTerm::reading_of(const ContactTouch& touch, std::vector<ContactReading>& all) const {

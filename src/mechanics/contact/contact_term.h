@@ -41,29 +41,19 @@ struct ContactSums {
   RigidTouches rigid;
 };
 
-// What stands at the limit of friction: points of the skin, and after these obstacles among themselves.
-struct TouchesAtLimit {
-  std::vector<ContactTouch> points;
-  RigidTouches rigid;
-
-  Eigen::Index count() const { return static_cast<Eigen::Index>(points.size() + rigid.size()); }
-};
+// A force on a touch, back on the free obstacle that it touches.
+void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces);
 
 class ContactTerm {
  public:
   explicit ContactTerm(const Body& body);
 
   bool empty() const { return obstacles_.empty() && skin_.pair_count() == 0; }
-  double end_of_motion_s() const;                          // of all obstacles
-  bool moves_between(double from_s, double to_s) const;    // whether any does
-  std::vector<Clique> cliques() const;                     // for add_hessian: the faces
-  const ContactPoints& points() const { return points_; }  // of obstacles
+  Eigen::Index pair_count() const { return obstacle_pairs() + skin_.points().count(); }  // of points and surfaces
+  std::vector<Clique> cliques() const;                                                   // for add_hessian: the faces
+  const ContactPoints& points() const { return points_; }                                // of obstacles
   const SkinContact& skin() const { return skin_; }
-  void keep_faces(const std::vector<ContactTouch>& touches) { skin_.keep_faces(touches); }
-  void let_faces_go() { skin_.let_faces_go(); }
-  double face_size_m(const ContactTouch& touch) const {
-    return points_of(touch.pair).face_size_m(point_of(touch.pair));
-  }
+  SkinContact& skin() { return skin_; }
   const FreeObstacles& free() const { return free_; }
   const RigidContact& rigid() const { return rigid_; }
   Eigen::Isometry3d pose_of(int obstacle, const ContactState& state) const;  // from its shape as stated
@@ -82,111 +72,45 @@ class ContactTerm {
   void add_free_hessian(const std::vector<ContactTouch>& touches, bool convex, Eigen::MatrixXd& border,
                         Eigen::MatrixXd& own) const;
 
-  // Whether the matrix of these touches may serve others: the same are closed, on the same faces. What sticks and what
-  // slips may differ.
-  static bool same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b, bool with_skin);
-
-  // What condensation adds to the residual; `linearised`: the touches the matrix was made of. `with_skin`: those of
-  // skin on skin are in it; else they are constraints of the step.
-  void add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here, bool with_skin,
-                           Eigen::Matrix3Xd& forces_n) const;
-  FreeColumns free_mismatch_forces_n(const std::vector<ContactTouch>& linearised, const ContactSums& here) const;
-  Eigen::VectorXd next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
-                                    bool with_skin, const Eigen::Matrix3Xd& motion_m,
-                                    const FreeColumns& free_motion) const;
-
-  // Of a touch as a constraint of the step (SkinGradient), and its push [N].
-  ConstraintLaw law_of(const ContactTouch& touch) const;
-  double push_n(const ContactTouch& touch) const { return weight_m2(touch.pair) * touch.pressure_pa; }
-  double pressure_pa(const ContactTouch& touch, double push_n) const { return push_n / weight_m2(touch.pair); }
+  // Of a touch, or its pair.
+  int point_of(int pair) const { return of_skin(pair) ? pair - obstacle_pairs() : pair % points_.count(); }
+  NormalLaw law(const ContactTouch& touch) const;
   double weight_m2(int pair) const { return points_of(pair).weight_m2(point_of(pair)); }
   double friction_of(const ContactTouch& touch) const {  // Coulomb's coefficient
     return touch.on_skin() ? skin_.friction(touch) : obstacle_of(touch.pair).friction;
   }
+  double face_size_m(const ContactTouch& touch) const {
+    return points_of(touch.pair).face_size_m(point_of(touch.pair));
+  }
   // The nodes of the face, and of skin that it meets, with their shares of how the point moves against that; their
   // number.
   int nodes_of(const ContactTouch& touch, std::array<int, 12>& nodes, std::array<double, 12>& shares) const;
-  // What a motion of the nodes would lead into: skin that touches at its end and is not among `known`; with the gap
-  // that this leaves where the motion begins.
-  std::vector<ContactTouch> met_by(const Eigen::Matrix3Xd& motion_m, const ContactSums& end,
-                                   const std::vector<ContactTouch>& known) const;
-  // Of touches at the limit of friction. What the residual gains where one of them slips by a metre; and by how much a
-  // motion takes the tie of each beyond its limit, which follows the pressure, as a way of slip.
-  void add_slip(const TouchesAtLimit& all, Eigen::Index one, Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
-  Eigen::VectorXd beyond_limits_m(const TouchesAtLimit& all, const Eigen::Matrix3Xd& motion_m,
-                                  const FreeColumns& free_motion) const;
-  Eigen::VectorXd limits_n(const TouchesAtLimit& all) const;
-  // Ties turn with a surface that is not flat, or that moves, and obstacles roll: what the matrix, which is symmetric,
-  // lacks.
-  bool any_turns(const std::vector<ContactTouch>& touches, const RigidTouches& rigid) const;
-  void add_turned_ties(const std::vector<ContactTouch>& touches, const RigidTouches& rigid,
-                       const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion, Eigen::Matrix3Xd& residual_n,
-                       FreeColumns& free_n) const;
-
-  // Of touches that are `held`: what the residual lacks for that.
-  void add_beyond(const std::vector<ContactTouch>& touches, Eigen::Matrix3Xd& residual_n, FreeColumns& free) const;
-
-  // NormalLaw::mismatch_m over the size of the face, of these pairs; zero where one does not touch.
-  Eigen::VectorXd mismatches(const ContactSums& at, const std::vector<Eigen::Index>& pairs) const;
-
-  // Augmented Lagrangian of the normal law at the pressures where a step leads, and friction's potential as it was
-  // where the step starts. `slope_change`: what the slope of all along the step lacks where it is taken from the
-  // residual.
-  double merit_j(const ContactSums& at, const ContactSums& start, const Eigen::VectorXd& next_pressures_pa) const;
-  double slope_change_j(const ContactSums& start, const Eigen::VectorXd& next_pressures_pa,
-                        const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const;
-
-  // With the soft compliance the pressures follow from the positions: sets them, and returns the energy. Friction keeps
-  // the limits of `limits_pa`, pressures per pair.
-  double soft_energy(const Eigen::Matrix3Xd& positions_m, const Eigen::VectorXd& limits_pa, ContactState& state,
-                     ContactSums& at) const;
+  // How a point moves against what it touches.
+  Eigen::Vector3d relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                                    const FreeColumns& free_motion) const;
+  // A force on the point, and back on the skin that it meets.
+  void add_at(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
 
   // Lets anchors follow what slipped, and what does not touch.
   void commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const;
-
-  // What friction dissipates where the anchors follow what slipped, by commit().
-  double rubbed_j(const ContactSums& at) const;
 
   std::vector<ContactReading> readings(const Eigen::Matrix3Xd& positions_m, const ContactState& state) const;
 
  private:
   ContactReading& reading_of(const ContactTouch& touch, std::vector<ContactReading>& all) const;
   int obstacle_pairs() const { return static_cast<int>(obstacles_.size()) * points_.count(); }
-  Eigen::Index pair_count() const { return obstacle_pairs() + skin_.points().count(); }
-  NormalLaw law(const ContactTouch& touch) const;
   NormalLaw law_on_obstacle(int point) const;
   bool of_skin(int pair) const { return pair >= obstacle_pairs(); }
   const ContactPoints& points_of(int pair) const { return of_skin(pair) ? skin_.points() : points_; }
-  int point_of(int pair) const { return of_skin(pair) ? pair - obstacle_pairs() : pair % points_.count(); }
   int face_of(int pair) const { return points_of(pair).face_of(point_of(pair)); }
   double slack_m(int pair) const { return of_skin(pair) ? skin_.slack_m(point_of(pair)) : 0.0; }
   const Obstacle& obstacle_of(int pair) const { return obstacles_[static_cast<std::size_t>(pair / points_.count())]; }
   Eigen::Matrix3Xd all_points(const Eigen::Matrix3Xd& positions_m) const;
   void find_touches(int obstacle, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                     ContactSums& sums) const;
-  // Along the surface, from its anchor to where a touch of `start` now is.
-  Eigen::Vector3d away_m(const ContactTouch& touch, const ContactSums& start, const ContactSums& now) const;
   void add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state, const ContactSums& sums,
                     ContactTouch& touch) const;
-  // What condensation pushes with, where the matrix was made of these.
-  std::vector<Eigen::Vector3d> mismatch_forces_n(const std::vector<ContactTouch>& linearised,
-                                                 const ContactSums& here) const;
   Eigen::Vector3d force_n(const ContactTouch& touch) const;  // as in the residual
-  // On the point, and back on the skin that it meets.
-  void add_at(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
-  // How a point moves against what it touches.
-  Eigen::Vector3d relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
-                                    const FreeColumns& free_motion) const;
-  // Of ContactTouch::away_m, by that and the rest.
-  Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
-                                const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const;
-  double beyond_limit_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
-                        const FreeColumns& free_motion) const;
-  void add_turned_tie(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion,
-                      Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
-  void add_push_at_edge(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
-                        Eigen::Matrix3Xd& residual_n) const;
-  static void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces);
 
   std::vector<Obstacle> obstacles_;
   std::vector<ContactReading> nothing_;  // readings of what does not touch: all obstacles, then pairs of bodies

@@ -135,13 +135,12 @@ int SkinContact::side_of(const ContactTouch& touch) const {
   return pairs_.body_of(touch.met.face) == pair.second ? 1 : -1;
 }
 
-bool SkinContact::far_from_law(const ContactTouch& touch) const {
-  return std::abs(law(touch).mismatch_m(touch.gap_m, touch.pressure_pa)) >
-         kFarFromLaw * points_.face_size_m(point_of(touch));
+bool far_from_law(const SkinContact& skin, const ContactTouch& touch) {
+  return std::abs(skin.law(touch).mismatch_m(touch.gap_m, touch.pressure_pa)) >
+         kFarFromLaw * skin.points().face_size_m(skin.point_of(touch));
 }
 
-Eigen::MatrixXd SkinContact::turned(const ContactTouch& touch, const Eigen::MatrixXd& turn,
-                                    const Eigen::MatrixXd& local) {
+Eigen::MatrixXd hessian_of_turn(const ContactTouch& touch, const Eigen::MatrixXd& turn, const Eigen::MatrixXd& local) {
   const Eigen::MatrixXd turned = turn.transpose() * local, tilts = touch.met.dual_per_m * turn;
   return turned + turned.transpose() + touch.met.above_m * tilts.transpose() * tilts;
 }
@@ -163,32 +162,14 @@ Eigen::MatrixXd SkinContact::hessian(const ContactTouch& touch, bool convex, boo
   // What joins the motions of the two places.
   Eigen::Matrix3d tie = Eigen::Matrix3d::Zero();
   if (touch.rubs()) tie += weight_m2 * touch.friction.stiffness_pa_m(touch.away_m, touch.normal);
-  if (!convex && !far_from_law(touch)) {
+  if (!convex && !far_from_law(*this, touch)) {
     const double push_n = weight_m2 * touch.pressure_pa;
-    sum += push_n * turned(touch, turn, local);
+    sum += push_n * hessian_of_turn(touch, turn, local);
     tie += push_n * touch.bend;
   }
   for (int a = 0; a < 2 * nodes; ++a)
     for (int b = 0; b < 2 * nodes; ++b) sum.block<3, 3>(3 * a, 3 * b) += shape[a] * shape[b] * tie;
   return sum;
-}
-
-double SkinGradient::dot(const double* columns) const {
-  double sum = 0.0;
-  for (std::size_t a = 0; a < nodes.size(); ++a)
-    for (int axis = 0; axis < 3; ++axis)
-      sum += at_nodes(axis, static_cast<Eigen::Index>(a)) * columns[3 * nodes[a] + axis];
-  return sum;
-}
-
-SkinGradient SkinContact::gradient(const ContactTouch& touch) const {
-  const int nodes = points_.nodes_per_face(), point = point_of(touch);
-  SkinGradient gradient{touch.pair, touch.met.face, pairs_.nodes(faces_of(touch)), Eigen::Matrix3Xd(3, 2 * nodes)};
-  for (int a = 0; a < nodes; ++a) {
-    gradient.at_nodes.col(a) = -points_.shape(point)[a] * touch.normal;
-    gradient.at_nodes.col(nodes + a) = touch.met.shape[a] * touch.normal;
-  }
-  return gradient;
 }
 
 Eigen::Vector3d SkinContact::relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const {
@@ -198,48 +179,10 @@ Eigen::Vector3d SkinContact::relative_m(const ContactTouch& touch, const Eigen::
   return relative_m;
 }
 
-Eigen::Vector2d SkinContact::tilt(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
-  Eigen::Vector2d tilt = Eigen::Vector2d::Zero();
-  for (int a = 0; a < points_.nodes_per_face(); ++a)
-    tilt += touch.met.slopes.row(a).transpose() * touch.normal.dot(motion_m.col(pairs_.node(touch.met.face, a)));
-  return tilt;
-}
-
 void SkinContact::find_edges(const Eigen::Matrix3Xd& positions_m, std::vector<ContactTouch>& touches) const {
   for (ContactTouch& touch : touches)
     if (touch.closed && touch.on_skin())
       touch.met.at_edge = pairs_.at_edge(touch.met, points_.at(point_of(touch), positions_m), positions_m);
-}
-
-// As the normal turns: dn = -dual n.(slopes dx) - bend d(x - y). At an edge that turns as its place moves.
-SkinContact::PlaceMotion SkinContact::place_motion(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
-                                                   const Eigen::Matrix3Xd& motion_m) const {
-  const SkinPlace& met = touch.met;
-  const Eigen::Vector2d tilt = this->tilt(touch, motion_m);
-  const double gap_m = touch.normal.dot(relative_m);
-  if (!met.at_edge)
-    return {met.dual_per_m.transpose() * (relative_m + met.above_m * met.dual_per_m * tilt),
-            -met.dual_per_m * tilt - touch.bend * relative_m, gap_m};
-  double along = met.at_edge->by_way_per_m.dot(relative_m);
-  for (int a = 0; a < points_.nodes_per_face(); ++a)
-    along += met.at_edge->by_nodes_per_m.col(a).dot(motion_m.col(pairs_.node(met.face, a)));
-  const Eigen::Vector2d local = along * met.at_edge->along;
-  const Eigen::Vector3d turn = -met.at_edge->dual_per_m * (tilt + met.at_edge->curvature_m * local);
-  return {local, turn, gap_m + turn.dot(met.at_edge->beyond_m)};
-}
-
-Eigen::Vector3d SkinContact::away_motion_m(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
-                                           const Eigen::Matrix3Xd& motion_m) const {
-  const Eigen::Vector3d way_m = points_.at(point_of(touch), motion_m) - at_anchor(touch.anchored_at, motion_m);
-  return touch.along_surface(way_m, place_motion(touch, relative_m, motion_m).turn);
-}
-
-void SkinContact::add_back_moved(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
-                                 const Eigen::Matrix3Xd& motion_m, const Eigen::Vector3d& force_n,
-                                 Eigen::Matrix3Xd& forces_n) const {
-  const Eigen::Vector2d along = place_motion(touch, relative_m, motion_m).local;
-  for (int a = 0; a < points_.nodes_per_face(); ++a)
-    forces_n.col(pairs_.node(touch.met.face, a)) -= touch.met.slopes.row(a).dot(along) * force_n;
 }
 
 void SkinContact::add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n,

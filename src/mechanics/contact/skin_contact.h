@@ -20,15 +20,6 @@
 
 namespace soft_robot_lab {
 
-// A touch as a constraint C = -g of a Newton step, whose multiplier is the push w l: its gradient.
-struct SkinGradient {
-  int pair = 0, face = 0;  // ContactTouch::pair, and the face that it meets
-  std::vector<int> nodes;
-  Eigen::Matrix3Xd at_nodes;
-
-  double dot(const double* columns) const;  // 3 a node
-};
-
 class SkinContact {
  public:
   SkinContact() = default;  // none
@@ -38,6 +29,7 @@ class SkinContact {
 
   const ContactPoints& points() const { return points_; }
   const SkinPairs& pairs() const { return pairs_; }
+  int point_of(const ContactTouch& touch) const { return touch.pair - first_pair_; }
   double slack_m(int point) const;     // how deep a point may be before it counts: guards
   bool rubs() const { return rubs_; }  // whether any two bodies do
   int pair_count() const { return static_cast<int>(touching_.size()); }
@@ -74,29 +66,11 @@ class SkinContact {
   // Of one that is closed, over the nodes of both faces. Where pressure and gap do not fit at all, as after a step that
   // led too deep, what turns with the skin is left out: such pressures would make the matrix indefinite.
   Eigen::MatrixXd hessian(const ContactTouch& touch, bool convex, bool soft) const;
-  bool far_from_law(const ContactTouch& touch) const;
-  // Of it, per push, what comes of the normal that turns: by how columns turn it and move the place, in coordinates.
-  static Eigen::MatrixXd turned(const ContactTouch& touch, const Eigen::MatrixXd& turn, const Eigen::MatrixXd& local);
-
-  SkinGradient gradient(const ContactTouch& touch) const;
   // Of the point and the place that it meets, by what the nodes' columns say of both.
   Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
   void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
-  // Which closed ones meet an edge that they are beyond; the next three ask for that.
+  // Which closed ones meet an edge that they are beyond; what follows a motion (skin_motion.h) asks for that.
   void find_edges(const Eigen::Matrix3Xd& positions_m, std::vector<ContactTouch>& touches) const;
-  // How a motion of the nodes, by which point and place move so against each other, changes where they meet.
-  struct PlaceMotion {
-    Eigen::Vector2d local;  // coordinates on the face
-    Eigen::Vector3d turn;   // of the normal
-    double gap_m;
-  };
-  PlaceMotion place_motion(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
-                           const Eigen::Matrix3Xd& motion_m) const;
-  // How it changes ContactTouch::away_m, and add_back() of a force, whose place on the skin moves.
-  Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
-                                const Eigen::Matrix3Xd& motion_m) const;
-  void add_back_moved(const ContactTouch& touch, const Eigen::Vector3d& relative_m, const Eigen::Matrix3Xd& motion_m,
-                      const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
 
   // How much of this step may be taken at first: where skin is carried so deep into skin that it might not be seen any
   // more, or come out on the other side, only a part of it.
@@ -108,7 +82,6 @@ class SkinContact {
  private:
   // A direction that points out of the skin: at a guard between both faces of its edge.
   Eigen::Vector3d outward(int point, const Eigen::Matrix3Xd& positions_m) const;
-  int point_of(const ContactTouch& touch) const { return touch.pair - first_pair_; }
   bool keeps_any(int first, int end) const;  // of these points
   void search(const Eigen::Matrix3Xd& positions_m, const ContactState& state, std::vector<ContactTouch>& touches) const;
   void add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
@@ -117,8 +90,6 @@ class SkinContact {
   std::optional<SkinGap> met_by(int point, bool pressed, const Eigen::Matrix3Xd& positions_m) const;
   // Of a point that has an anchor on some skin.
   void add_friction(const Eigen::Matrix3Xd& positions_m, const ContactState& state, ContactTouch& touch) const;
-  // How the nodes of the face that is met move along its normal, along its two coordinates.
-  Eigen::Vector2d tilt(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const;
   Eigen::Vector3d at_anchor(const Eigen::Vector3d& anchor, const Eigen::Matrix3Xd& columns) const {
     return pairs_.at(static_cast<int>(anchor.z()), anchor.x(), anchor.y(), columns);
   }
@@ -148,5 +119,10 @@ class SkinContact {
   Eigen::VectorXd moduli_pa_;  // of the mesh's faces
   int first_pair_ = 0, first_anchor_ = 0;
 };
+
+bool far_from_law(const SkinContact& skin, const ContactTouch& touch);
+// Of its Hessian, per push, what comes of the normal that turns: by how columns turn it and move the place, in
+// coordinates.
+Eigen::MatrixXd hessian_of_turn(const ContactTouch& touch, const Eigen::MatrixXd& turn, const Eigen::MatrixXd& local);
 
 }  // namespace soft_robot_lab

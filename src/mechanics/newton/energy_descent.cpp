@@ -7,6 +7,7 @@
 
 #include <Eigen/LU>
 
+#include "mechanics/contact/contact_step.h"
 #include "mechanics/contact/swept_obstacles.h"
 #include "damped_bulk.h"
 #include "newton_solver.h"
@@ -105,7 +106,7 @@ NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eig
   for (const DrivenConstraint& constraint : constraints_) at.values.push_back(constraint.value(positions_m, drives));
   ContactSums sums;
   at.contact = contact;
-  at.energy += energies_.contact.soft_energy(positions_m, contact.pressures_pa, at.contact, sums);
+  at.energy += soft_energy(energies_.contact, positions_m, contact.pressures_pa, at.contact, sums);
   energies_.contact.add_forces(sums, at.gradient_n);
   at.touches = std::move(sums.touches);
   return at;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "mechanics/contact/contact_step.h"
 #include "mechanics/contact/swept_obstacles.h"
 #include "mechanics/solver_constants.h"
 #include "newton_solver.h"
@@ -87,7 +88,7 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
       contact.pressures_pa(pressing) - state.contact.pressures_pa(pressing);
   residual.head(nodes) = as_vector(here.residual_n) / here.force_scale_n;
   residual.tail(others) << energies_.elements.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa),
-      Eigen::VectorXd(constraints), energies_.contact.mismatches(here.contact, pressing);
+      Eigen::VectorXd(constraints), mismatches(energies_.contact, here.contact, pressing);
   for (int i = 0; i < constraint_count(); ++i)
     residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
   const bool first = mixing.size() == 0;

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "linear_system.h"
+#include "mechanics/contact/contact_response.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
@@ -28,8 +29,8 @@ LinearSystem::ExactMotions LinearSystem::exact_forces_n(const ExactMotions& moti
         nodal_n.col(tables_.layout.ties[point][k]) +=
             tables_.layout.tie_coefficients[point][k] * pulls_n.col(tables_.layout.node_count + point);
     FreeColumns free = FreeColumns::Zero(3, free_rows / 3);
-    energies_.contact.add_turned_ties(touching_.points, touching_.rigid, all.leftCols(tables_.layout.node_count),
-                                      motions.free.col(column).reshaped(3, free_rows / 3), nodal_n, free);
+    add_turned_ties(energies_.contact, touching_.points, touching_.rigid, all.leftCols(tables_.layout.node_count),
+                    motions.free.col(column).reshaped(3, free_rows / 3), nodal_n, free);
     tables_.release(nodal_n);
     forces.motions_m.col(column) = as_vector(nodal_n);
     forces.free.col(column) = free.reshaped();
@@ -50,8 +51,7 @@ LinearSystem::ExactMotions LinearSystem::solve_exactly(const Eigen::MatrixXd& lo
     return motions;
   };
   ExactMotions motions = solved(loads_n, on_free);
-  if (tables_.layout.point_count == 0 && !energies_.contact.any_turns(touching_.points, touching_.rigid))
-    return motions;
+  if (tables_.layout.point_count == 0 && !any_turns(touching_.points, touching_.rigid)) return motions;
   double left_before = loads_n.norm() + on_free.norm();
   Eigen::MatrixXd free_sum = on_free;
   for (int i = 0; i < constants::kRefinements; ++i) {
@@ -71,7 +71,7 @@ LinearSystem::ExactMotions LinearSystem::solve_exactly(const Eigen::MatrixXd& lo
 }
 
 SkinGradient LinearSystem::released_gradient(const ContactTouch& touch) const {
-  SkinGradient gradient = energies_.contact.skin().gradient(touch);
+  SkinGradient gradient = gradient_of(energies_.contact.skin(), touch);
   for (std::size_t a = 0; a < gradient.nodes.size(); ++a) {
     const int node = gradient.nodes[a];
     auto at_node = gradient.at_nodes.col(static_cast<Eigen::Index>(a));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "mechanics/contact/contact_step.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
@@ -296,7 +297,7 @@ Eigen::MatrixXd LinearSystem::solve(const Eigen::MatrixXd& right_hand_sides) con
 bool LinearSystem::may_serve(double inertia_per_s2, bool viscous, const ContactSums& contact) {
   return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
          (linearisation_->strain_target == nullptr) == !viscous && make_factor() &&
-         ContactTerm::same_set(touching_.points, contact.touches, !skin_in_border_) &&
+         same_set(touching_.points, contact.touches, !skin_in_border_) &&
          RigidContact::same_set(touching_.rigid, contact.rigid);
 }
 

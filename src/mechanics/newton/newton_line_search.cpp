@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanics/contact/contact_step.h"
 #include "mechanics/contact/swept_obstacles.h"
 #include "newton_solver.h"
 #include "mechanics/solver_constants.h"
@@ -23,7 +24,7 @@ void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& her
     step.laws[i].offset -= here.values[i];
   }
   step.slope +=
-      energies_.contact.slope_change_j(step.contact_start, step.contact_pressures_pa, step.motion_m, step.free_motion);
+      slope_change_j(energies_.contact, step.contact_start, step.contact_pressures_pa, step.motion_m, step.free_motion);
   if (system_.free_border().empty()) return;
   step.slope += here.free_residual.cwiseProduct(step.free_motion).sum() +
                 energies_.contact.rigid().slope_change_j(here.contact.rigid, step.rigid_forces_n, step.free_motion);
@@ -44,7 +45,7 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
     law.offset += at.values[i];
     sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(law, y), 2);
   }
-  sum += energies_.contact.merit_j(at.contact, step.contact_start, step.contact_pressures_pa);
+  sum += merit_j(energies_.contact, at.contact, step.contact_start, step.contact_pressures_pa);
   if (!system_.free_border().empty())
     sum += energies_.contact.rigid().merit_j(at.contact.rigid, step.contact_start.rigid, step.rigid_forces_n);
   return sum;

@@ -39,7 +39,7 @@ NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const TouchesAtLi
   for (Eigen::Index i = 0; i < slips; ++i) {
     force_n.setZero();
     free.setZero();
-    energies_.contact.add_slip(at_limit, i, force_n, free);
+    add_slip(energies_.contact, at_limit, i, force_n, free);
     tables_->release(force_n);
     wide.forces_n.col(columns + i) = as_vector(force_n);
     wide.free_forces.col(columns + i) = free.reshaped();
@@ -63,10 +63,11 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
   const Eigen::Index columns = drive.offsets.cols(), slips = at_limit.count();
   Eigen::MatrixXd beyond_m(slips, columns + slips);
   for (Eigen::Index column = 0; column < beyond_m.cols(); ++column)
-    beyond_m.col(column) = energies_.contact.beyond_limits_m(
-        at_limit, Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, tables_->layout.node_count),
+    beyond_m.col(column) = beyond_limits_m(
+        energies_.contact, at_limit,
+        Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, tables_->layout.node_count),
         all.free_motions.col(column).reshaped(3, all.free_motions.rows() / 3));
-  const Eigen::VectorXd pull_n = energies_.contact.limits_n(at_limit);
+  const Eigen::VectorXd pull_n = limits_n(energies_.contact, at_limit);
   const Eigen::MatrixXd coupling = beyond_m.rightCols(slips);
   const Eigen::MatrixXd going_on = slips_of_all(coupling, beyond_m.leftCols(columns));
   Eigen::MatrixXd rates_m(slips, columns);
@@ -170,7 +171,7 @@ NewtonForces NewtonSolver::forces(const NewtonState& state,
   }
   const ContactSums touching = energies_.contact.sums(state.positions_m, state.contact);
   energies_.contact.add_forces(touching, all.contact_n);
-  all.rubbed_j = energies_.contact.rubbed_j(touching);
+  all.rubbed_j = rubbed_j(energies_.contact, touching);
   all.free_n = energies_.contact.free_forces_n(touching);
   for (int i = 0; i < constraint_count(); ++i) {
     all.values.push_back(constraints_[i].value(state.positions_m, state.drives));
@@ -222,7 +223,7 @@ StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<cons
     const ContactSums touching = known ? end_.at.contact : energies_.contact.sums(state.positions_m, state.contact);
     energies_.contact.add_forces(touching, forces_n = none);
     all.contact_j = take(forces_n) + energies_.contact.free_forces_n(touching).cwiseProduct(free_way).sum();
-    all.rubbed_j = energies_.contact.rubbed_j(touching);
+    all.rubbed_j = rubbed_j(energies_.contact, touching);
   }
   for (int i = 0; i < constraint_count(); ++i) {
     all.values.push_back(known ? end_.at.values[static_cast<std::size_t>(i)]

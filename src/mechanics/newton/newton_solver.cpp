@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "newton_solver.h"
 #include "damped_bulk.h"
+#include "mechanics/contact/contact_step.h"
 #include "mechanics/contact/swept_obstacles.h"
 #include "mechanics/solver_constants.h"
 
@@ -145,7 +146,7 @@ void NewtonSolver::add_free_obstacles(const NewtonState& state, Evaluation& resu
 }
 
 FreeColumns NewtonSolver::free_load(const Evaluation& here) const {
-  FreeColumns load = -here.free_residual - energies_.contact.free_mismatch_forces_n(system_.touches(), here.contact);
+  FreeColumns load = -here.free_residual - free_mismatch_forces_n(energies_.contact, system_.touches(), here.contact);
   FreeColumns rigid = FreeColumns::Zero(3, load.cols());
   energies_.contact.rigid().add_mismatch_forces(system_.rigid_touches(), here.contact.rigid, rigid);
   return load - rigid;
@@ -155,7 +156,7 @@ FreeColumns NewtonSolver::free_load(const Evaluation& here) const {
 void NewtonSolver::subtract_beyond(Eigen::VectorXd& load, FreeColumns& free_load) const {
   Eigen::Matrix3Xd beyond_n = Eigen::Matrix3Xd::Zero(3, load.size() / 3);
   FreeColumns free_n = FreeColumns::Zero(3, free_load.cols());
-  energies_.contact.add_beyond(system_.touches(), beyond_n, free_n);
+  add_beyond(energies_.contact, system_.touches(), beyond_n, free_n);
   energies_.contact.rigid().add_beyond(system_.rigid_touches(), free_n);
   tables_->release(beyond_n);
   load -= as_vector(beyond_n);
@@ -166,7 +167,7 @@ void NewtonSolver::subtract_beyond(Eigen::VectorXd& load, FreeColumns& free_load
 Eigen::VectorXd NewtonSolver::condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const {
   if (energies_.contact.empty()) return as_vector(residual_n);
   Eigen::Matrix3Xd condensed_n = Eigen::Matrix3Xd::Zero(3, residual_n.cols());
-  energies_.contact.add_mismatch_forces(system_.touches(), here.contact, !system_.skin_in_border(), condensed_n);
+  add_mismatch_forces(energies_.contact, system_.touches(), here.contact, !system_.skin_in_border(), condensed_n);
   tables_->release(condensed_n);
   return as_vector(residual_n) + as_vector(condensed_n);
 }
@@ -197,8 +198,8 @@ bool NewtonSolver::find_multipliers(const NewtonState& state, const Evaluation& 
     std::vector<ConstraintLaw> laws;
     before.conservativeResize(count + touching);
     for (std::size_t k = 0; k < step.skin.size(); ++k) {
-      before[count + static_cast<Eigen::Index>(k)] = energies_.contact.push_n(step.skin[k]);
-      laws.push_back(energies_.contact.law_of(step.skin[k]));
+      before[count + static_cast<Eigen::Index>(k)] = push_n(energies_.contact, step.skin[k]);
+      laws.push_back(law_of(energies_.contact, step.skin[k]));
     }
     add_skin(step.skin_columns, laws, system_.border().solved, motion, before, problem);
   }
@@ -251,12 +252,12 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, c
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = energies_.elements.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
-  step.contact_pressures_pa = energies_.contact.next_pressures_pa(
-      system_.touches(), here.contact, !system_.skin_in_border(), step.motion_m, step.free_motion);
+  step.contact_pressures_pa = next_pressures_pa(energies_.contact, system_.touches(), here.contact,
+                                                !system_.skin_in_border(), step.motion_m, step.free_motion);
   for (std::size_t k = 0; k < step.skin.size(); ++k)
     step.contact_pressures_pa[step.skin[k].pair] =
-        std::max(0.0, step.skin[k].pressure_pa + energies_.contact.pressure_pa(
-                                                     step.skin[k], step.skin_changes_n[static_cast<Eigen::Index>(k)]));
+        std::max(0.0, step.skin[k].pressure_pa + step.skin_changes_n[static_cast<Eigen::Index>(k)] /
+                                                     energies_.contact.weight_m2(step.skin[k].pair));
   if (!system_.free_border().empty())
     step.rigid_forces_n =
         energies_.contact.rigid().next_forces_n(system_.rigid_touches(), here.contact.rigid, step.free_motion);
@@ -275,7 +276,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
     ContactState there = state.contact;
     there.pressures_pa = step.contact_pressures_pa;
     const ContactSums end = energies_.contact.sums(state.positions_m + step.motion_m, there);
-    const std::vector<ContactTouch> more = energies_.contact.met_by(step.motion_m, end, step.contact_start.touches);
+    const std::vector<ContactTouch> more = met_by(energies_.contact, step.motion_m, end, step.contact_start.touches);
     if (more.empty()) return true;
     ahead.insert(ahead.end(), more.begin(), more.end());
   }
@@ -284,12 +285,12 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
 // The factor may be of faces that points kept, which a saved state does not know.
 void NewtonSolver::let_faces_go() {
   if (!energies_.contact.skin().keeps_faces()) return;
-  energies_.contact.let_faces_go();
+  energies_.contact.skin().let_faces_go();
   system_.forget_factor();
 }
 
 void NewtonSolver::abandon() {
-  energies_.contact.let_faces_go();
+  energies_.contact.skin().let_faces_go();
   system_.forget_factor();
 }
 
@@ -316,7 +317,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   const bool may_keep_faces = task.inertia_per_s2 > 0.0 && energies_.contact.skin().pair_count() > 0;
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
-    if (may_keep_faces && report.iterations >= kFreeToChange) energies_.contact.keep_faces(here.contact.touches);
+    if (may_keep_faces && report.iterations >= kFreeToChange) energies_.contact.skin().keep_faces(here.contact.touches);
     ++report.iterations;
     const bool try_old = policy.frozen_factor && mixing.size() < constants::kFrozenFactorSteps;
     if (try_old && try_frozen_factor(task, state, here, mixing)) continue;

@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 
 #include "linear_system.h"
+#include "mechanics/contact/contact_response.h"
 #include "mechanics/complementarity/multiplier_problem.h"
 #include "mechanics/linear_algebra/anderson_mixing.h"
 #include "mechanics/state/driven_constraint.h"

@@ -13,7 +13,7 @@
 
 #include <Eigen/Core>
 
-#include "mechanics/contact/skin_contact.h"
+#include "mechanics/contact/skin_motion.h"
 #include "mechanics/state/newton_state.h"
 #include "mechanics/complementarity/multiplier_problem.h"
 

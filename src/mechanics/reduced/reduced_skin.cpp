@@ -119,7 +119,7 @@ ReducedSkin::Touch ReducedSkin::touch_of(Eigen::Index place, const ContactTouch&
 Eigen::MatrixXd ReducedSkin::hessian(const std::vector<Touch>& touches) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(modes_.cols(), modes_.cols());
   for (const Touch& touch : touches) {
-    if (touch.found.pressure_pa == 0.0 || skin_.far_from_law(touch.found)) continue;
+    if (touch.found.pressure_pa == 0.0 || far_from_law(skin_, touch.found)) continue;
     Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(2, modes_.cols());
     for (int a = 0; a < skin_.points().nodes_per_face(); ++a)
       turn += touch.found.met.slopes.row(a).transpose() *
@@ -127,8 +127,7 @@ Eigen::MatrixXd ReducedSkin::hessian(const std::vector<Touch>& touches) const {
     const Eigen::MatrixXd local = touch.found.met.dual_per_m.transpose() * touch.relative;
     const int point = points_[static_cast<std::size_t>(touch.place)];
     sum += touch.found.pressure_pa * skin_.points().weight_m2(point) *
-           (SkinContact::turned(touch.found, turn, local) +
-            touch.relative.transpose() * touch.found.bend * touch.relative);
+           (hessian_of_turn(touch.found, turn, local) + touch.relative.transpose() * touch.found.bend * touch.relative);
   }
   return sum;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rest.h"
+#include "mechanics/body/gap.h"
 #include "mechanics/state/free_stepping.h"
 #include "mechanics/solver_constants.h"
 
@@ -59,7 +60,7 @@ bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
   if (!state.rest_residual) return false;
   bool still = commands_reached(parts) &&
                !parts.body.holds_move_between(state.contact.time_s, state.contact.time_s + h) &&
-               !parts.workspace.newton.contact().moves_between(state.contact.time_s, state.contact.time_s + h);
+               !any_moves_between(parts.body.obstacles(), state.contact.time_s, state.contact.time_s + h);
   if (still) {
     still = parts.workspace.newton.worst_violation(parts.unknowns_at_step(h)) <= parts.options.tolerance;
   }

@@ -36,8 +36,7 @@ double largest_turn_rad(const Body& body, double from_s, double to_s) {
 
 RestPath::RestPath(SimulationParts& parts)
     : parts_(parts), commands_(parts.state.actuated_commands()), start_s_(parts.state.contact.time_s) {
-  const NewtonSolver& newton = parts.workspace.newton;
-  end_s_ = std::max(newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s());
+  end_s_ = std::max(end_of_motion_s(parts.body.obstacles()), parts.body.end_of_hold_motion_s());
   for (const Obstacle& obstacle : parts.body.obstacles()) add_poses(obstacle.motion, start_s_, end_s_, poses_s_);
   for (const Hold& hold : parts.body.holds()) add_poses(hold.motion, start_s_, end_s_, poses_s_);
   std::sort(poses_s_.begin(), poses_s_.end());

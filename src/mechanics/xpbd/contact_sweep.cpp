@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mechanics/contact/contact_step.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
@@ -46,8 +47,8 @@ ContactSweep::Point ContactSweep::point_of(const ContactTouch& touch, const Eige
   point.pushing_arm_m = touch.arm_m;
   point.weight_m2 = contact_.weight_m2(touch.pair);
   point.gap_m = touch.gap_m;
-  point.compliance_m_n = contact_.law_of(touch).compliance;
-  point.push_n = contact_.push_n(touch);
+  point.compliance_m_n = law_of(contact_, touch).compliance;
+  point.push_n = push_n(contact_, touch);
   point.normal = touch.normal;
   point.position_m = point.at(positions_m);
   if (!touch.rubs()) return point;

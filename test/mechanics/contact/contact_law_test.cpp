@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "mechanics/box_mesh.h"
+#include "mechanics/contact/contact_step.h"
 #include "mechanics/contact/contact_term.h"
 
 namespace soft_robot_lab {
@@ -141,7 +142,7 @@ TEST(ContactTerm, ItsMatrixIsTheDerivativeOfItsForces) {
       // l = -g / a follows the gap: what condensation stands for.
       for (const ContactTouch& touch : sums.touches)
         if (!touch.closed) ADD_FAILURE() << "a point is open";
-      term.add_mismatch_forces(sums.touches, sums, true, sum);
+      add_mismatch_forces(term, sums.touches, sums, true, sum);
       return sum;
     };
     // With pressure -g / a, which the matrix takes at its present value in its geometric part only.
@@ -185,7 +186,7 @@ TEST(ContactTerm, TakesTheStiffnessOfTheElementBehindEachFace) {
   Eigen::Matrix3Xd x = body.mesh().nodes_m;
   for (Eigen::Index node = 0; node < x.cols(); ++node) x(1, node) += body.body_of_node(int(node)) == 0 ? -kSunk : kSunk;
   const auto compliance = [&](const ContactTouch& touch) {
-    return term.law_of(touch).compliance * term.weight_m2(touch.pair) / term.face_size_m(touch);
+    return law_of(term, touch).compliance * term.weight_m2(touch.pair) / term.face_size_m(touch);
   };
   for (const ContactTouch& touch : term.sums(x, state).touches)
     EXPECT_NEAR(compliance(touch), 0.002 / (touch.normal.y() > 0.0 ? kStiff : kSoft), 1e-12);

@@ -12,7 +12,7 @@ if ! getent ahostsv4 localhost >/dev/null; then # as in a bare chroot; roslaunch
 fi
 packages=(
   g++ make ninja-build cmake git catkin ros-message-generation
-  libroscpp-dev libroslib-dev pluginlib-dev librosbag-dev libdiagnostic-updater-dev libtf2-ros-dev
+  libroscpp-dev libroslib-dev pluginlib-dev librosbag-dev libbz2-dev libdiagnostic-updater-dev libtf2-ros-dev
   libstd-msgs-dev libgeometry-msgs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev libstd-srvs-dev
   libros-rosgraph-msgs-dev libdynamic-reconfigure-config-init-mutex-dev python3-dynamic-reconfigure
   ros-std-msgs ros-geometry-msgs ros-visualization-msgs ros-diagnostic-msgs ros-actionlib-msgs libactionlib-dev python3-actionlib python3-actionlib-msgs python3-rospy python3-numpy ros-std-srvs

@@ -31,7 +31,7 @@ TEST(BagReader, RefusesWhatRosbagWouldFollowBeyondItsMemory) {
       {"longer_header_none", "a record is longer than what holds it"},
       {"longer_header_lz4", "a record is longer than what holds it"},
       {"longer_header_bz2", "a record is longer than what holds it"},
-      {"short_bz2", "a record without 'op'"},
+      {"short_bz2", "a chunk cannot be unpacked to the size that it says"},
       {"huge_chunk", "a chunk of 4294967280 bytes, must be at most 1073741824"},
       {"points_to_topic", "it points to no message of its chunk"},
       {"unknown_topic", "it has messages of a topic that it does not name"},

@@ -9,7 +9,7 @@ import sys
 import yaml
 
 # Of rosdep's base.yaml and python.yaml, for Debian bookworm.
-ROSDEPS_OWN = set("""avr-libc benchmark boost bullet cli11 doxygen eigen gcc-avr gnuplot gtest libceres-dev libopenblas-dev
+ROSDEPS_OWN = set("""avr-libc benchmark boost bullet bzip2 cli11 doxygen eigen gcc-avr gnuplot gtest libceres-dev libopenblas-dev
 libopencv-dev libpcl-all-dev libqwt-qt5-dev mpi nlohmann-json-dev pybind11-dev python3-dev python3-numpy qtbase5-dev sqlite3 yaml-cpp""".split())
 
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include <bzlib.h>
 #include <rosbag/constants.h>
 #include <rosbag/stream.h>
 
@@ -103,10 +104,21 @@ class BagReader {
   std::uint64_t size_ = 0;
 };
 
-std::string unpacked(rosbag::Stream& stream, std::string packed, std::uint32_t size) {
+// rosbag takes as many bytes as the chunk announces, also where unpacking gives fewer.
+std::string unpacked_bz2(std::string packed, std::uint32_t size) {
   std::string data(size, '\0');
-  stream.decompress(reinterpret_cast<std::uint8_t*>(data.data()), size, reinterpret_cast<std::uint8_t*>(packed.data()),
-                    static_cast<unsigned>(packed.size()));
+  unsigned int unpacked = size;
+  const int result =
+      BZ2_bzBuffToBuffDecompress(data.data(), &unpacked, packed.data(), static_cast<unsigned int>(packed.size()), 0, 0);
+  if (result != BZ_OK || unpacked != size) refuse("a chunk cannot be unpacked to the size that it says");
+  return data;
+}
+
+std::string unpacked_lz4(std::string packed, std::uint32_t size) {
+  std::string data(size, '\0');
+  rosbag::LZ4Stream(nullptr).decompress(reinterpret_cast<std::uint8_t*>(data.data()), size,
+                                        reinterpret_cast<std::uint8_t*>(packed.data()),
+                                        static_cast<unsigned int>(packed.size()));
   return data;
 }
 
@@ -117,14 +129,8 @@ std::string chunk_of(const Fields& fields, std::string data) {
   if (size > limits::kChunk_bytes)
     throw std::runtime_error("a chunk of " + std::to_string(size) + " bytes, must be at most " +
                              std::to_string(limits::kChunk_bytes));
-  if (compression == rosbag::COMPRESSION_BZ2) {
-    rosbag::BZ2Stream stream(nullptr);
-    return unpacked(stream, std::move(data), size);
-  }
-  if (compression == rosbag::COMPRESSION_LZ4) {
-    rosbag::LZ4Stream stream(nullptr);
-    return unpacked(stream, std::move(data), size);
-  }
+  if (compression == rosbag::COMPRESSION_BZ2) return unpacked_bz2(std::move(data), size);
+  if (compression == rosbag::COMPRESSION_LZ4) return unpacked_lz4(std::move(data), size);
   if (compression != rosbag::COMPRESSION_NONE) refuse("a chunk packed in a way that is not known");
   if (size != data.size()) refuse("a chunk of another size than it says");
   return data;

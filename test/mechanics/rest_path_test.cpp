@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The way to a rest state: obstacles and holds go through all their poses, and nothing passes through anything.
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +48,28 @@ TEST(RestPath, ARodPushesABarItDoesNotPassThrough) {
     ASSERT_EQ(simulation.contacts().size(), 1u);
     EXPECT_GT(simulation.contacts()[0].normal_force_n, 0.05);
   }
+}
+
+// A block of 30 x 30 x 20 mm that is pressed on a larger one by 10 um, and drawn along it by 1 mm. Points that came to
+// touch on the way stuck in the next step, having no pressure yet: no rest state was found in 3000 iterations.
+TEST(RestPath, ABlockThatIsHardlyPressedSlides) {
+  constexpr double kFriction = 0.4;
+  TetMesh mesh = box_mesh({-0.03, -0.03, 0}, {0.03, 0.03, 0.02}, {5, 5, 2});
+  add_body("top", box_mesh({-0.012, -0.013, 0.02}, {0.018, 0.017, 0.04}, {4, 3, 2}), mesh);
+  Body body(std::move(mesh), {{100e3, 0.45, 1070.0}, {200e3, 0.45, 1070.0}});
+  body.fix_nodes({-1, -1, -1}, {1, 1, 1e-6}, {true, true, true});
+  const Eigen::Vector3d pressed_m(0, 0, -1e-5), drawn_m(1e-3, 3e-4, -1e-5);
+  body.fix_nodes({-1, -1, 0.04 - 1e-6}, {1, 1, 1}, {true, true, true},
+                 {{}, {1.0, pressed_m, kZero}, {2.0, drawn_m, kZero}}, "drawn");
+  body.let_skin_touch({{0, 1, kFriction}});
+  Simulation simulation = with_marker(std::move(body), {0, 0, 0});
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_LT(report.iterations, 200);
+  const ContactReading pair = simulation.contacts().at(0);
+  EXPECT_GT(pair.normal_force_n, 0.02);
+  const double along_n = std::hypot(pair.force_n.x(), pair.force_n.y());
+  EXPECT_NEAR(along_n, kFriction * pair.normal_force_n, 0.02 * kFriction * pair.normal_force_n);
 }
 
 // Only the first stage of a ball from afar was asked whether its way counts: it rested 0.5 mm from the other.

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kNothing = 1e-6;  // of E * size: a stiffness that counts as none
 constexpr double kLittle = 1e-3;   // of E * size: what stands for it where there is no weight
+constexpr double kStill = 1e-6;    // of a free obstacle's size: a way in a step whose inertia counts as none
 
 Eigen::Map<const Eigen::VectorXd> as_column(const FreeColumns& columns) { return {columns.data(), columns.size()}; }
 
@@ -44,11 +45,26 @@ void add_free_inertia(const FreeObstacles& free, const FreeInertia& inertia, Eig
   }
 }
 
+double free_norm_n(const FreeObstacles& free, int one, const FreeColumns& forces) {
+  return std::hypot(forces.col(2 * one).norm(), forces.col(2 * one + 1).norm() / free.size_m(one));
+}
+
 double free_norm_n(const FreeObstacles& free, const FreeColumns& forces) {
   double squares = 0.0;
-  for (int i = 0; i < free.count(); ++i)
-    squares += forces.col(2 * i).squaredNorm() + (forces.col(2 * i + 1) / free.size_m(i)).squaredNorm();
+  for (int i = 0; i < free.count(); ++i) squares += std::pow(free_norm_n(free, i, forces), 2);
   return std::sqrt(squares);
+}
+
+double free_imbalance(const FreeObstacles& free, const FreeColumns& contact_n, const FreeColumns& residual_n,
+                      const FreeInertia* inertia) {
+  double largest = 0.0;
+  for (int i = 0; i < free.count(); ++i) {
+    const double left_n = free_norm_n(free, i, residual_n);
+    double scale_n = free_norm_n(free, i, contact_n) + free.mass_kg(i) * free.gravity_m_s2().norm();
+    if (inertia) scale_n = std::max(scale_n, kStill * inertia->per_s2 * free.mass_kg(i) * free.size_m(i));
+    if (left_n > 0.0) largest = std::max(largest, left_n / std::max(scale_n, left_n));
+  }
+  return largest;
 }
 
 FreeBorder::FreeBorder(Eigen::MatrixXd border, Eigen::MatrixXd solved, Eigen::MatrixXd own, const FreeObstacles& free,

@@ -25,6 +25,10 @@ void add_free_inertia(const FreeObstacles& free, const FreeInertia& inertia, Eig
 
 // A force per column, and torques over the obstacle's size.
 double free_norm_n(const FreeObstacles& free, const FreeColumns& forces);
+// What is left of the forces on a free obstacle, over those of contact and weight on it: the largest of all, at most 1.
+// A light one's are lost in the residual of the whole.
+double free_imbalance(const FreeObstacles& free, const FreeColumns& contact_n, const FreeColumns& residual_n,
+                      const FreeInertia* inertia);
 
 class FreeBorder {
  public:

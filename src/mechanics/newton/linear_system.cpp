@@ -36,6 +36,7 @@ bool LinearSystem::linearise(const NewtonState& state, double inertia_per_s2,
     for (ContactTouch& touch : touching_.points) {
       touch.friction.secant = slip == Slip::secant;
       touch.friction.held = slip == Slip::held && touch.at_limit();
+      if (slip == Slip::loose || slides_where_met(touch)) touch.friction.limit_pa = -1.0;
       if (slip == Slip::stuck) touch.friction.held = touch.closed && !touch.on_skin() && touch.friction.limit_pa > 0.0;
     }
     for (RigidTouch& touch : touching_.rigid) {
@@ -53,6 +54,16 @@ bool LinearSystem::linearise(const NewtonState& state, double inertia_per_s2,
                                                       skin_matrix_.used ? skin_matrix_.whole->pattern() : nullptr,
                                                       {}});
   return true;
+}
+
+// A point that comes to touch after it has slid along has no pressure yet that would tie it. By the pressure that its
+// gap stands for it goes on sliding.
+bool LinearSystem::slides_where_met(const ContactTouch& touch) const {
+  if (!touch.closed || touch.friction.limit_pa != 0.0) return false;
+  const double next_pa = energies_.contact.law(touch).pressure_pa(touch.gap_m);
+  FrictionLaw next = touch.friction;
+  next.limit_pa = energies_.contact.friction_of(touch) * next_pa;
+  return next.slips(touch.away_m);
 }
 
 bool LinearSystem::add_rest_and_factorise(const NewtonState& state, double inertia_per_s2, bool convex) {

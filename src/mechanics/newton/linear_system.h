@@ -37,8 +37,9 @@ class LinearSystem {
   void heed(const Interrupt* interrupt) { interrupt_ = interrupt; }
 
   // The stiffness of friction: of what slips its tangent or its secant, or what is at the limit sticks, or all that
-  // rubs on obstacles goes back to where it stuck. No further step is taken by a factor but with the tangent.
-  enum class Slip { tangent, secant, held, stuck };
+  // rubs on obstacles goes back to where it stuck, or none, as of what slides much farther than friction ties it. No
+  // further step is taken by a factor but with the tangent.
+  enum class Slip { tangent, secant, held, stuck, loose };
 
   // Matrix, factor and borders of this state; false where there is no factor. `convex`: each element's Hessian is made
   // positive.
@@ -91,6 +92,7 @@ class LinearSystem {
   SkinColumns columns_of(const std::vector<ContactTouch>& touches);
 
  private:
+  bool slides_where_met(const ContactTouch& touch) const;
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2, bool convex);  // all but elements
   bool factorise(bool convex);                                                                // with skin on skin
   void border_free_obstacles(const NewtonState& state, bool convex);

@@ -101,13 +101,17 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
           .cwiseAbs()
           .maxCoeff();
   double residual_n = result.residual_n.norm();
+  double free_imbalance = 0.0;
   if (energies_.contact.free().count() > 0) {
+    free_imbalance =
+        soft_robot_lab::free_imbalance(energies_.contact.free(), energies_.contact.free_forces_n(result.contact),
+                                       result.free_residual, state.free_inertia.get());
     largest = std::max(largest, energies_.contact.free().weight_n());
     residual_n = std::hypot(residual_n, free_norm_n(energies_.contact.free(), result.free_residual));
   }
   result.force_scale_n = largest;
   result.relative_residual =
-      std::max({residual_n / largest, constraint_residual, volume_residual, result.contact.mismatch});
+      std::max({residual_n / largest, constraint_residual, volume_residual, result.contact.mismatch, free_imbalance});
   result.finite =
       std::isfinite(residual_n) && std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy);
   return result;
@@ -312,7 +316,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
   // Little but friction holds a free obstacle: by the tangent of what slips it would go far past where it sticks.
   const Slip cautious = energies_.contact.free().count() > 0 ? Slip::secant : Slip::tangent;
-  StepPolicy policy{cautious, cautious, may_reuse(task, here.relative_residual)};
+  StepPolicy policy{cautious, task.slides_first ? Slip::loose : cautious, may_reuse(task, here.relative_residual)};
   AndersonMixing mixing(constants::kFrozenFactorSteps);
   const bool may_keep_faces = task.inertia_per_s2 > 0.0 && energies_.contact.skin().pair_count() > 0;
   while (report.iterations < task.max_iterations) {

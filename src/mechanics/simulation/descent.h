@@ -11,7 +11,9 @@ namespace soft_robot_lab {
 enum class RestFound { stable, saddle, none };
 
 // Newton alone. Only a stable rest state becomes the state; else it stays as it was.
-RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {});
+// `slides_first`: NewtonTask::slides_first.
+RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {},
+                bool slides_first = false);
 
 // The same after a fall down the energy (SimulationParts::solve_from_below).
 RestFound relax_from_below(SimulationParts& parts, SolveReport& report);

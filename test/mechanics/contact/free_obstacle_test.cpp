@@ -83,6 +83,19 @@ TEST(FreeObstacle, FallsAsABodyInAVacuum) {
 }
 
 // In a short step everything moves little; a ball that nothing holds has no force by which it would be awake.
+// What was left of the forces on it was measured by those of the whole body, so that it stood in the air.
+TEST(FreeObstacle, ALightBallFallsAsAHeavyOne) {
+  for (const Integrator integrator : kIntegrators) {
+    for (const double mass_kg : {1e-2, 1e-8, 1e-13}) {
+      Obstacle falling = ball({0, 0.5, 0});
+      falling.mass_kg = mass_kg;
+      Simulation simulation = with(pad(), {falling}, steps_of(0.002, integrator));
+      run(simulation, 0.2);
+      EXPECT_NEAR(velocity_m_s(simulation).y(), -kGravity * 0.2, 2e-3 * kGravity * 0.2) << mass_kg << " kg";
+    }
+  }
+}
+
 TEST(FreeObstacle, DriftsOnHoweverShortTheSteps) {
   for (const double time_step_s : {1e-4, 1e-3, 1e-2}) {
     Obstacle drifting = ball({0, 0.5, 0});

@@ -176,7 +176,8 @@ void refuse_parts(const Surface& surface, const std::vector<Shell>& shells) {
     const Point point = surface.centre(shell->facets[0]);
     if (!is_inside(surface, point, *outer))
       refuse(count + "those at " + place(*outer) + " and " + place(*shell) +
-             " lie apart, and a body must hang together; join them, or give each a file of its own in `bodies`");
+             " lie apart, and a body must hang together; join them, or give each a file and an item of its own, in "
+             "`bodies` or `obstacles`");
     for (const Shell& other : shells)
       if (&other != &*outer && &other != &*shell && is_inside(surface, point, other))
         refuse(count + "that at " + place(*shell) + " lies in a hollow, apart from the body");

@@ -113,8 +113,10 @@ void forbid_writing_outside(const std::string& folder) {
 
 // The libraries here do not all survive that memory ends, nor say so: this is where it is said.
 [[noreturn]] void end_without_memory() {
-  std::fprintf(stderr, "meshing takes more than %g GB of memory; a larger element_size_m, or fewer solids, take less\n",
-               limits::kMemory_gb);
+  std::fprintf(
+      stderr,
+      "meshing takes more than %g GB of memory; a larger element_size_m, fewer solids or a smaller file take less\n",
+      limits::kMemory_gb);
   _exit(2);
 }
 

@@ -62,7 +62,13 @@ TetMesh read_any(const std::string& file) {
   if (lower_ending(file) == ".vtk") return read_vtk(file);
   check_msh_counts(file);
   const GmshSession session;
-  gmsh::open(file);
+  try {
+    gmsh::open(file);
+  } catch (const std::string& error) {
+    if (error.rfind("Error loading", 0) == 0)  // where it says no more
+      throw std::invalid_argument("cannot be read: a section is broken off, or a number in it is none");
+    throw;
+  }
   return extract_mesh(physical_groups(2), regions(), 1.0);
 }
 

@@ -46,10 +46,13 @@ std::optional<std::size_t> expected_lines(const std::string& announced, bool nod
   return first + second * (nodes && version > 4.05 ? 2 : 1);  // 4.1: tags and places of nodes have lines of their own
 }
 
+// $EndNodes; in version 1 $ENDNOD.
+bool ends(const std::string& line) { return line.rfind("$End", 0) == 0 || line.rfind("$END", 0) == 0; }
+
 // Each section that counts stands once, and ends before another begins.
 void check_order(const std::string& where, const std::string& line, const std::string& section,
                  std::set<std::string>& seen) {
-  if (counts(section) && line.rfind("$End", 0) != 0)
+  if (counts(section) && !ends(line))
     throw std::invalid_argument(where + ": " + line + " begins before " + section + " has ended");
   if (counts(line) && !seen.insert(line).second)
     throw std::invalid_argument(where + ": " + line + " stands in the file twice");

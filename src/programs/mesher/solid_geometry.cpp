@@ -151,7 +151,11 @@ Volumes fuse(const Volumes& volumes) {
 
 Volumes build_step(const Solid& solid) {
   Volumes all;
-  occ::importShapes(solid.file, all, true, "step");
+  try {
+    occ::importShapes(solid.file, all, true, "step");
+  } catch (const std::string&) {  // says that it could not read it
+    throw std::invalid_argument(solid.file + ": is no whole STEP file; write it anew by the program that made it");
+  }
   const Volumes volumes = only_volumes(all);
   if (volumes.empty()) throw std::invalid_argument(solid.file + ": holds no solid, surfaces or curves at most");
   return fuse(volumes);

@@ -22,6 +22,8 @@ constexpr std::array<std::pair<const char*, MeshFormat>, 6> kEndings{{{".msh", M
                                                                       {".step", MeshFormat::step},
                                                                       {".stp", MeshFormat::step}}};
 
+const std::string kByteOrderMark = "\xef\xbb\xbf";  // which office programs set before UTF-8
+
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -47,7 +49,8 @@ std::string ending_of(MeshFormat format) {
   return named->first;
 }
 
-std::string safe_content(const std::string& bytes, MeshFormat format) {
+std::string safe_content(std::string bytes, MeshFormat format) {
+  if (bytes.compare(0, kByteOrderMark.size(), kByteOrderMark) == 0) bytes.erase(0, kByteOrderMark.size());
   switch (format) {
     case MeshFormat::msh:
       require_start(bytes, {"$MeshFormat", "$NOD", "$Comments"}, "MSH");

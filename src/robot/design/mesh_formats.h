@@ -17,6 +17,6 @@ std::string ending_of(MeshFormat format);
 
 // What may be handed to Gmsh in the file's place: the bytes as they are, or the triangles of an STL or OBJ file alone,
 // as STL in the form that Gmsh reads. Throws std::invalid_argument where the content is not of the format.
-std::string safe_content(const std::string& bytes, MeshFormat format);
+std::string safe_content(std::string bytes, MeshFormat format);
 
 }  // namespace soft_robot_lab

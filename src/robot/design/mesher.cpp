@@ -20,6 +20,7 @@
 #include "timed_process.h"
 #include "settings/find_program.h"
 #include "settings/read_file.h"
+#include "settings/words.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {
@@ -62,7 +63,7 @@ std::string request_text(const MeshRequest& request) {
   text.imbue(std::locale::classic());
   text.precision(17);
   if (!request.mesh_file.empty()) {
-    text << "mesh_file: " << single_quoted(fs::absolute(request.mesh_file)) << "\n";
+    text << "mesh_file: " << quote(fs::absolute(request.mesh_file)) << "\n";
     if (request.mesh_unit_m != 1.0) text << "scale: " << request.mesh_unit_m << "\n";
     return text.str();
   }

@@ -130,7 +130,7 @@ class StlText {
     for (int i = 0; i < count; ++i) word();
   }
 
-  void skip_line() { at_ = std::min(bytes_.find('\n', at_), bytes_.size()); }
+  void skip_line() { at_ = std::min(bytes_.find_first_of("\r\n", at_), bytes_.size()); }
 
   [[noreturn]] void fail_here(const std::string& why) const { fail("line " + std::to_string(line_) + ": " + why); }
 
@@ -177,12 +177,15 @@ std::string plain_text(const std::string& bytes) {
   return plain + "endsolid body\n";
 }
 
-bool starts_as_text(const std::string& bytes) { return StlText(bytes).word() == "solid"; }
+// Binary files may start so too; the highest byte of their count is 0, as no byte of a text is.
+bool is_text(const std::string& bytes) {
+  return StlText(bytes).word() == "solid" && (bytes.size() < kStart || bytes[kStart - 1] != '\0');
+}
 
 }  // namespace
 
 std::string plain_stl(const std::string& bytes) {
-  return has_announced_size(bytes) || !starts_as_text(bytes) ? plain_binary(bytes) : plain_text(bytes);
+  return has_announced_size(bytes) || !is_text(bytes) ? plain_binary(bytes) : plain_text(bytes);
 }
 
 }  // namespace soft_robot_lab

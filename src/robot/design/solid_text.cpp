@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <charconv>
 
+#include "settings/words.h"
 #include "soft_robot_lab/robot/design/solid.h"
 #include "solid_kind_names.h"
 
@@ -19,12 +20,6 @@ std::string vector_text(const Vector& vector) {
   std::string text;
   for (Eigen::Index i = 0; i < vector.size(); ++i) text += (i == 0 ? "" : ", ") + number_text(vector[i]);
   return "[" + text + "]";
-}
-
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += (c == '"' || c == '\\' ? std::string("\\") : std::string()) + c;
-  return result + "\"";
 }
 
 std::string moved_text(const Solid& solid) {
@@ -81,7 +76,7 @@ std::string shape_text(const Solid& solid) {
     default:
       break;
   }
-  return quoted(solid.file);
+  return quote(solid.file);
 }
 
 }  // namespace
@@ -94,7 +89,7 @@ const std::vector<std::string>& solid_kind_names() {
 }
 
 std::string to_yaml(const Solid& solid) {
-  const std::string name = solid.name.empty() ? "" : ", name: " + quoted(solid.name);
+  const std::string name = solid.name.empty() ? "" : ", name: " + quote(solid.name);
   return "{" + solid_kind_names()[static_cast<size_t>(solid.kind)] + ": " + shape_text(solid) + name + "}";
 }
 

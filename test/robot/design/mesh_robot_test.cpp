@@ -518,7 +518,7 @@ TEST_F(MeshRobot, SaysWhereTheSurfaceOfAnStlFileIsFaultyInMetresOfTheScene) {
   EXPECT_EQ(
       words_of(both(box, box_of_facets({40, 0, 0}, {60, 20, 40}))),
       "its surface has 2 shells: those at (0, 0, 0) m and (0.04, 0, 0) m lie apart, and a body must hang together; "
-      "join them, or give each a file of its own in `bodies`");
+      "join them, or give each a file and an item of its own, in `bodies` or `obstacles`");
   EXPECT_EQ(
       words_of(both(box, box_of_facets({20, 5, 5}, {30, 15, 15}))).rfind("its surface cuts itself near (0.02, ", 0), 0u)
       << "a shell that lies on the other with a part of its side";
@@ -736,6 +736,42 @@ TEST_F(MeshRobot, RefusesMshFilesThatCountWrongly) {
   refused(with(kMsh2, "$EndNodes\n", ""), ":15: $Elements begins before $Nodes has ended");
   refused(kMsh2 + std::string("$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n"),
           ":22: $Elements stands in the file twice");
+}
+
+TEST_F(MeshRobot, ReadsMsh1) {
+  const std::string msh1 =
+      "$NOD\n5\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 0 0 10\n5 10 10 10\n$ENDNOD\n"
+      "$ELM\n2\n1 4 1 1 4 1 2 3 4\n2 4 1 1 4 2 3 4 5\n$ENDELM\n";
+  EXPECT_EQ(convert(write("one.msh", msh1)).tet_count(), 2);
+  const fs::path wrong = write("wrong_one.msh", with(msh1, "$ELM\n2", "$ELM\n3"));
+  EXPECT_EQ(refusal_of_file(wrong), wrong.string() + ":10: $ELM announces 3 lines, and has 2");
+  const fs::path open = write("open_one.msh", with(msh1, "$ENDNOD\n", ""));
+  EXPECT_EQ(refusal_of_file(open), open.string() + ":8: $ELM begins before $NOD has ended");
+}
+
+TEST_F(MeshRobot, ReadsFilesOfAnyName) {
+  for (const std::string name :
+       {"two\nlines", "\ttab", "'one' \"two\"", "\\x41", "\x1b[31m", "\xc3\xa4 \xf0\x9f\xa4\x96"}) {
+    EXPECT_EQ(convert(write(name + ".msh", kMsh2)).tet_count(), 2) << name;
+    const fs::path stl = fs::path(testing::TempDir()) / (name + ".stl");
+    fs::copy_file(SOFT_ROBOT_LAB_SOURCE "/test/data/hollow_box.stl", stl, fs::copy_options::overwrite_existing);
+    Solid solid;
+    solid.kind = Solid::Kind::stl_file;
+    solid.file = stl;
+    MeshRequest request;
+    request.solid = solid;
+    EXPECT_GT(read_msh(file_of(request)).tet_count(), 0) << name;
+  }
+}
+
+// Gmsh's own words name neither the place nor what is wrong.
+TEST_F(MeshRobot, SaysWhatGmshCannotReadInOurWords) {
+  const fs::path number = write("number.msh", with(kMsh2, "2 10 0 0", "2 1,0 0 0"));
+  EXPECT_EQ(refusal_of_file(number),
+            number.string() + ": cannot be read: a section is broken off, or a number in it is none");
+  const fs::path step = write("broken.step", "ISO-10303-21;\nHEADER;\n");
+  EXPECT_EQ(refusal("{step: " + step.string() + "}"),
+            step.string() + ": is no whole STEP file; write it anew by the program that made it");
 }
 
 TEST_F(MeshRobot, RefusesBinaryMshFilesThatCountWrongly) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/design/plain_stl.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -42,6 +43,7 @@ TEST(PlainStl, KeepsTheTrianglesOfABinaryFileAlone) {
   std::string named = binary(2, 2);
   named.replace(0, 9, "solid of\n");
   EXPECT_EQ(plain_stl(named), binary(2, 2));
+  EXPECT_EQ(plain_stl(named + "more"), binary(2, 2));
 }
 
 TEST(PlainStl, CountsTrianglesBeforeItBelievesTheFile) {
@@ -71,6 +73,9 @@ TEST(PlainStl, KeepsTheNumbersOfText) {
             "solid body\nfacet normal 0 0 0\nouter loop\nvertex -1.25e-3 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\n"
             "endfacet\nendsolid body\n");
   EXPECT_EQ(plain_stl(plain), plain);
+  std::string of_old_machines = "solid a\n" + facet("-1.25e-3");
+  std::replace(of_old_machines.begin(), of_old_machines.end(), '\n', '\r');
+  EXPECT_EQ(plain_stl(of_old_machines), plain);
   const std::string two = plain_stl("solid a\n" + facet("0") + "endsolid a\nsolid b\n" + facet("0"));
   EXPECT_NE(two.find("endsolid body\nsolid body\nfacet"), std::string::npos);
 }
@@ -95,6 +100,16 @@ TEST(MeshFormats, RefuseAScriptUnderEveryEnding) {
   EXPECT_EQ(refusal("$MeshFormat\n2.2 0 8", MeshFormat::msh), "accepted");
   EXPECT_EQ(refusal("\r\nISO-10303-21;", MeshFormat::step), "accepted");
   EXPECT_EQ(refusal("# vtk DataFile Version 3.0", MeshFormat::vtk), "accepted");
+}
+
+TEST(MeshFormats, PassOverAByteOrderMark) {
+  const std::string mark = "\xef\xbb\xbf", stl = "solid a\n" + facet("1");
+  EXPECT_EQ(safe_content(mark + stl, MeshFormat::stl), safe_content(stl, MeshFormat::stl));
+  EXPECT_EQ(safe_content(mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", MeshFormat::obj),
+            safe_content("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", MeshFormat::obj));
+  EXPECT_EQ(safe_content(mark + "$MeshFormat\n2.2 0 8", MeshFormat::msh), "$MeshFormat\n2.2 0 8");
+  EXPECT_EQ(safe_content(mark + "# vtk DataFile Version 3.0", MeshFormat::vtk), "# vtk DataFile Version 3.0");
+  EXPECT_EQ(refusal(mark + "SystemCall \"id\";", MeshFormat::msh), "is no MSH file: it must start with $MeshFormat");
 }
 
 TEST(MeshFormats, KnowEndingsInAnyCase) {

@@ -20,6 +20,7 @@
 
 #include "limits.h"
 #include "words.h"
+#include "written_options.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -69,11 +70,13 @@ std::string without_library(const std::string& what) {
 
 namespace fs = std::filesystem;
 
+// As files are written: folders on the way need not be there, where `..` leads out of them again.
 bool is_same_file(const std::string& one, const std::string& other) {
   std::error_code ignored;
-  if (fs::exists(one, ignored) && fs::exists(other, ignored))
-    return fs::equivalent(one, other, ignored) && !fs::is_other(one, ignored);  // /dev/null may be named twice
-  return fs::weakly_canonical(one, ignored) == fs::weakly_canonical(other, ignored);
+  const fs::path first = fs::weakly_canonical(one, ignored), second = fs::weakly_canonical(other, ignored);
+  if (fs::exists(first, ignored) && fs::exists(second, ignored))
+    return fs::equivalent(first, second, ignored) && !fs::is_other(first, ignored);  // /dev/null may be named twice
+  return first == second;
 }
 
 // What is written must be no other file that is named: a result would take the place of its scene. Empty, or the
@@ -83,7 +86,7 @@ std::string written_over(const CLI::App& app) {
   list_options(app, all);
   for (const CLI::Option* written : all) {
     const std::string name = written->get_name();
-    if (name != "--output" && name != "--result" && name != "--policy" && name != "--page") continue;
+    if (!is_written_option(name)) continue;
     for (const std::string& file : written->results())
       for (const CLI::Option* other : all)
         for (const std::string& word : other != written ? other->results() : std::vector<std::string>{})

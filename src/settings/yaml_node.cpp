@@ -143,6 +143,7 @@ double YamlNode::as_number(const AllowedRange& range) const {
 std::string YamlNode::as_text() const {
   if (data_->kind == Data::Kind::empty) fail("has no value");
   if (!is_scalar()) fail("must be a single value, not a list or a map");
+  if (data_->scalar.find('\0') != std::string::npos) fail("holds a byte of value 0, as no text does");
   return data_->scalar;
 }
 

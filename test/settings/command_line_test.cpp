@@ -131,7 +131,8 @@ TEST(CommandLine, WritesOverNoFileThatIsNamedBeside) {
     EXPECT_EQ(status, said.empty() ? kGood : kFailed);
     return said;
   };
-  for (const std::string& result : {scene, link, (folder / "./scene.yaml").string()})
+  for (const std::string& result :
+       {scene, link, (folder / "./scene.yaml").string(), (folder / "none/../scene.yaml").string()})
     EXPECT_NE(said_of_files({scene, "--result", result})
                   .find("nothing: --result: " + result + " would be written over SCENE; give it a file of its own"),
               std::string::npos)

@@ -9,6 +9,7 @@
 #include "file_solid.h"
 #include "mesh_formats.h"
 #include "settings/limits.h"
+#include "settings/named_file.h"
 #include "settings/read_points.h"
 #include "solid_kind_names.h"
 
@@ -123,7 +124,7 @@ void require_few(const YamlNode& node, std::size_t count, int most) {
 
 // With each copy of an array; beyond the limit no more are counted.
 std::size_t solid_count(const Solid& solid) {
-  std::size_t count = 1;
+  std::size_t count = solid.kind == Kind::array ? 0 : 1;
   for (const Solid& part : solid.parts) count += solid_count(part);
   const std::size_t copies = solid.kind == Kind::array ? static_cast<std::size_t>(solid.count) : 1;
   return std::min<std::size_t>(count * copies, 1000000);
@@ -233,7 +234,7 @@ void read_fillet(const YamlNode& node, Solid& solid) {
 // With the ending of one of these formats.
 std::string read_file(const YamlNode& node, const std::vector<MeshFormat>& formats, const std::string& endings) {
   namespace fs = std::filesystem;
-  const fs::path file = fs::absolute(fs::path(node.source()).parent_path() / node.as_text()).lexically_normal();
+  const fs::path file = named_file(node);
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) node.fail("there is no file " + file.string());
   if (std::none_of(formats.begin(), formats.end(), [&](MeshFormat format) { return has_ending_of(file, format); }))

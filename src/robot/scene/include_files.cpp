@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include "sections.h"
+#include "settings/named_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -37,11 +39,12 @@ YamlNode resolve(const YamlNode& settings, std::vector<std::string> open_files) 
   const std::optional<YamlNode> include = settings.optional_child("include");
   if (!include) return settings;
   open_files.push_back(std::filesystem::weakly_canonical(settings.source()).string());
-  const std::string base = beside(*include, include->as_text());
+  const std::string base = named_file(*include);
   if (std::find(open_files.begin(), open_files.end(), std::filesystem::weakly_canonical(base)) != open_files.end()) {
     include->fail("'" + include->as_text() + "' includes itself");
   }
-  if (!std::filesystem::is_regular_file(base)) include->fail("there is no file " + base);
+  std::error_code ignored;
+  if (!std::filesystem::exists(base, ignored)) include->fail("there is no file " + base);
   const YamlNode included = resolve(YamlNode::load_file(base), open_files);
   check_body(settings, included);
   return merge_settings(included, settings);
@@ -58,15 +61,9 @@ std::vector<std::string> files_of_scene(const std::string& path) {
     files.push_back(at);
     const YamlNode settings = YamlNode::load_file(at);
     if (settings.is_map() && settings.has("include"))
-      at = std::filesystem::weakly_canonical(beside(settings, settings.text("include")));
+      at = std::filesystem::weakly_canonical(named_file(settings.child("include")));
   }
   return files;
-}
-
-std::string beside(const YamlNode& node, const std::string& file) {
-  return std::filesystem::absolute(std::filesystem::path(node.source()).parent_path() / file)
-      .lexically_normal()
-      .string();
 }
 
 }  // namespace soft_robot_lab

@@ -4,6 +4,7 @@
 
 #include "mechanics/mesh/cable_path.h"
 #include "sections.h"
+#include "settings/named_file.h"
 #include "settings/read_name.h"
 #include "soft_robot_lab/robot/design/solid.h"
 
@@ -65,7 +66,7 @@ MeshRequest read_request(const YamlNode& scene, const std::string& body_name, co
   request.quadratic = quadratic(scene);
   if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
   if (body.has("mesh")) {
-    request.mesh_file = beside(body.child("mesh"), body.text("mesh"));
+    request.mesh_file = named_file(body.child("mesh"));
     request.mesh_unit_m = read_scale(body);
     refuse_chamber_solids(scene, body_name);
     return request;

@@ -5,13 +5,14 @@
 #include <set>
 
 #include "sections.h"
+#include "settings/named_file.h"
 
 namespace soft_robot_lab {
 
 bool is_scene_file(const std::string& path) {
-  static const std::set<std::string> known = {"actuators", "body",       "cables",       "casting", "chambers",
-                                              "contact",   "fidelity",   "gravity_m_s2", "include", "loads",
-                                              "markers",   "parameters", "run",          "solver"};
+  static const std::set<std::string> known = {
+      "actuators", "bodies",       "body",    "cables", "casting", "chambers",   "contact", "fibres",
+      "fidelity",  "gravity_m_s2", "include", "loads",  "markers", "parameters", "run",     "solver"};
   try {
     const YamlNode scene = with_includes(YamlNode::load_file(path));
     if (!scene.is_map() || !scene.has("body")) return false;
@@ -31,7 +32,7 @@ std::string robot_file(const std::string& scene) {
     while (met.insert(file).second) {
       const std::optional<YamlNode> include = YamlNode::load_file(file).optional_child("include");
       if (!include) break;
-      file = beside(*include, include->as_text());
+      file = named_file(*include);
     }
   } catch (const SettingsError&) {
   }

@@ -51,9 +51,6 @@ RunSettings read_run(const YamlNode& scene, const Simulation& simulation);  // `
 // What other programs go by: `casting` and `parameters`. A scene with them is checked, and counts as read.
 void read_for_others(const YamlNode& scene);
 
-// A file named in the scene: relative names start at the folder of the file that states them.
-std::string beside(const YamlNode& node, const std::string& file);
-
 // A scene's file and those that it includes, in the order of reading, without links. Throws SettingsError.
 std::vector<std::string> files_of_scene(const std::string& path);
 

@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "robot/scene/parameters.h"
+#include "settings/named_file.h"
 #include "settings/words.h"
+#include "settings/written_options.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -119,7 +121,8 @@ std::vector<std::string> read_words(const YamlNode& file, const std::string& key
 
 // The runner sets these itself, or leaves them out: nothing is written outside of the study's folder.
 void refuse_own_arguments(const YamlNode& file, const std::string& program) {
-  std::vector<std::string> all = {"--result", "--set", "--seed", "--policy", "--output"};
+  std::vector<std::string> all = written_options();
+  all.insert(all.end(), {"--set", "--seed"});
   if (program == "rollouts") all.emplace_back("--threads");
   if (program == "fit_model") all.emplace_back("--scene");
   for (const YamlNode& item : file.optional_sequence("arguments"))
@@ -132,8 +135,8 @@ std::vector<std::string> read_arguments(const YamlNode& file, const std::string&
   refuse_own_arguments(file, program);
   std::vector<std::string> arguments = read_words(file, "arguments");
   for (std::string& argument : arguments) {
-    const fs::path path = fs::absolute(fs::path(file.source()).parent_path() / argument).lexically_normal();
     std::error_code ignored;
+    const fs::path path = fs::absolute(fs::path(file.source()).parent_path() / argument, ignored).lexically_normal();
     if (path.has_extension() && fs::is_regular_file(path, ignored)) argument = path.string();
   }
   return arguments;
@@ -143,9 +146,10 @@ std::vector<std::string> read_arguments(const YamlNode& file, const std::string&
 
 std::string read_scene_path(const YamlNode& file, const std::string& key) {
   const YamlNode node = file.child(key);
-  const fs::path path = fs::absolute(fs::path(file.source()).parent_path() / node.as_text()).lexically_normal();
-  if (!fs::is_regular_file(path)) node.fail("there is no file " + path.string());
-  return path.string();
+  const std::string path = named_file(node);
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) node.fail("there is no file " + path);
+  return path;
 }
 
 std::vector<StudyParameter> read_study_parameters(const YamlNode& file, SamplingMethod method, const YamlNode& scene,

@@ -182,6 +182,7 @@ TEST(Solid, CountsWhatItIsMadeOfBeforeTheMesherDoes) {
   EXPECT_EQ(refusal("union: [" + repeated(ball, 999) + "]"), "accepted");
   EXPECT_NE(refusal("union: [" + repeated(ball, 2000) + "]").find("union: has 2001 items, at most 1000"),
             std::string::npos);
+  EXPECT_EQ(refusal("array: {solid: " + ball + ", count: 1000, by_m: [1, 0, 0]}"), "accepted");
   const std::string row = "{array: {solid: " + ball + ", count: 400, by_m: [1, 0, 0]}}";
   EXPECT_EQ(refusal(row), "accepted");
   EXPECT_NE(refusal("array: {solid: " + row + ", count: 400, by_m: [0, 1, 0]}").find("items, at most 1000"),

@@ -112,6 +112,44 @@ TEST(SceneFile, KnowsItsRobot) {
   EXPECT_EQ(name_of_robot("/robots/gripper/robot.yaml"), "gripper");
 }
 
+TEST(SceneFile, IsKnownOfEveryRobot) {
+  const std::filesystem::path robots = std::filesystem::path(SOFT_ROBOT_LAB_SOURCE) / "config/robots";
+  for (const auto& folder : std::filesystem::directory_iterator(robots)) {
+    EXPECT_TRUE(is_scene_file(folder.path() / "robot.yaml")) << folder;
+    EXPECT_FALSE(is_scene_file(folder.path() / "motors.yaml")) << folder;
+  }
+  const SceneFolder files;
+  EXPECT_TRUE(is_scene_file(files.write("two.yaml", "include: bar.yaml\nbodies: []\n")));
+  EXPECT_FALSE(is_scene_file(files.write("odd.yaml", "include: bar.yaml\nplant: {}\n")));
+}
+
+TEST(Scene, NamesAFileThatIsNone) {
+  const SceneFolder files;
+  const auto error_of = [](const auto& load) -> std::string {
+    try {
+      load();
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  for (const std::string key : {"mesh: ", "solid: {stl: ", "solid: {step: "}) {
+    const std::string path = files.write("empty.yaml", "body:\n  " + key + "''" + (key[0] == 's' ? "}" : "") + "\n");
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(std::filesystem::path(path).parent_path());
+    const std::string error = error_of([&] { load_scene("empty.yaml", options()); });
+    std::filesystem::current_path(before);
+    EXPECT_NE(error.find("empty.yaml:2: body."), std::string::npos) << error;
+    EXPECT_NE(error.find("is empty, must name a file"), std::string::npos) << error;
+  }
+  const std::string nul = files.write("nul.yaml", "body:\n  mesh: \"a\\0b.msh\"\n");
+  EXPECT_NE(error_of([&] { load_scene(nul, options()); }).find("nul.yaml:2: body.mesh: holds a byte of value 0"),
+            std::string::npos);
+  const std::string long_name = files.write("long.yaml", "include: " + std::string(300, 'x') + ".yaml\n");
+  EXPECT_NE(error_of([&] { load_scene(long_name, options()); }).find("long.yaml:1: include: there is no file "),
+            std::string::npos);
+}
+
 TEST(Scene, AveragesTheVolumeOfLinearElements) {
   const SceneFolder folder;
   const std::string path = folder.write(

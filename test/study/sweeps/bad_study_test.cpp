@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "running_study.h"
+#include "settings/written_options.h"
 #include "study_run.h"
 
 namespace soft_robot_lab {
@@ -44,6 +45,9 @@ TEST(BadStudy, WritesNothingOutsideOfItsFolder) {
   for (const std::string argument : {"--output", "--output=../outside"})
     expect_refused("parameters: {height: {values: [0.02]}}\narguments: [" + argument + "]\n",
                    "arguments[0]: '--output' is set by the study itself");
+  for (const std::string& option : written_options())
+    expect_refused("parameters: {height: {values: [0.02]}}\narguments: [" + option + ", ../outside]\n",
+                   "arguments[0]: '" + option + "' is set by the study itself");
 }
 
 TEST(BadStudy, RefusesAFolderThatOthersMayWriteTo) {

@@ -102,6 +102,18 @@ void check_free(const Obstacle& one) {
   if (!positive) throw std::invalid_argument("inertia_kg_m2: must be symmetric and positive");
 }
 
+// About one axis, where the sense is meant; poses that are apart by more have a shorter way the other way round.
+void require_half_a_turn(const std::string& field, const Eigen::Vector3d& from_rad, const Eigen::Vector3d& to_rad) {
+  constexpr double pi = 3.14159265358979323846, close = 1e-6;
+  const double turn_rad = (to_rad - from_rad).norm();
+  const bool one_axis = from_rad.cross(to_rad).norm() <= close * from_rad.norm() * to_rad.norm();
+  if (!one_axis || turn_rad <= (1.0 + close) * pi) return;
+  std::ostringstream message;
+  message << field << ": turns by " << turn_rad << " rad from the pose before, out of range [0, pi], "
+          << "as the shorter way round is taken; add poses between";
+  throw std::invalid_argument(message.str());
+}
+
 }  // namespace
 
 MeshShape mesh_shape(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles, double rounding_m) {
@@ -118,6 +130,7 @@ void validate_motion(const std::vector<ObstaclePose>& motion) {
       refuse(item + "time_s", motion[i].time_s, "of times that rise from pose to pose: nothing jumps");
     require_finite(item + "translation_m", motion[i].translation_m);
     require_finite(item + "rotation_rad", motion[i].rotation_rad);
+    if (i > 0) require_half_a_turn(item + "rotation_rad", motion[i - 1].rotation_rad, motion[i].rotation_rad);
   }
 }
 

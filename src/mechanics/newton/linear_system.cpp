@@ -36,7 +36,7 @@ bool LinearSystem::linearise(const NewtonState& state, double inertia_per_s2,
     for (ContactTouch& touch : touching_.points) {
       touch.friction.secant = slip == Slip::secant;
       touch.friction.held = slip == Slip::held && touch.at_limit();
-      if (slip == Slip::loose || slides_where_met(touch)) touch.friction.limit_pa = -1.0;
+      if (slides_where_met(touch)) touch.friction.limit_pa = -1.0;
       if (slip == Slip::stuck) touch.friction.held = touch.closed && !touch.on_skin() && touch.friction.limit_pa > 0.0;
     }
     for (RigidTouch& touch : touching_.rigid) {

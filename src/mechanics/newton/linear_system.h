@@ -37,9 +37,8 @@ class LinearSystem {
   void heed(const Interrupt* interrupt) { interrupt_ = interrupt; }
 
   // The stiffness of friction: of what slips its tangent or its secant, or what is at the limit sticks, or all that
-  // rubs on obstacles goes back to where it stuck, or none, as of what slides much farther than friction ties it. No
-  // further step is taken by a factor but with the tangent.
-  enum class Slip { tangent, secant, held, stuck, loose };
+  // rubs on obstacles goes back to where it stuck. No further step is taken by a factor but with the tangent.
+  enum class Slip { tangent, secant, held, stuck };
 
   // Matrix, factor and borders of this state; false where there is no factor. `convex`: each element's Hessian is made
   // positive.

@@ -316,7 +316,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
   // Little but friction holds a free obstacle: by the tangent of what slips it would go far past where it sticks.
   const Slip cautious = energies_.contact.free().count() > 0 ? Slip::secant : Slip::tangent;
-  StepPolicy policy{cautious, task.slides_first ? Slip::loose : cautious, may_reuse(task, here.relative_residual)};
+  StepPolicy policy{cautious, cautious, may_reuse(task, here.relative_residual)};
   AndersonMixing mixing(constants::kFrozenFactorSteps);
   const bool may_keep_faces = task.inertia_per_s2 > 0.0 && energies_.contact.skin().pair_count() > 0;
   while (report.iterations < task.max_iterations) {

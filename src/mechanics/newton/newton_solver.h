@@ -39,7 +39,6 @@ struct NewtonTask {
   int max_iterations = 60;
   bool only_through_stable = false;  // give up where the matrix is not convex, rather than shift it
   bool reuse_factor = false;         // first try what the last factor can still do
-  bool slides_first = false;         // the first step is taken as if nothing rubbed
   double reuse_below = 0.0;          // a residual, below which the factor of the step before ends the solve
 };
 

@@ -178,12 +178,11 @@ bool held_by_friction_alone(const SimulationParts& parts) {
   return !free_motion(parts.body, parts.state.positions_m, ContactSums()).empty();
 }
 
-RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options, bool slides_first) {
+RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options) {
   NewtonState unknown = parts.unknowns();
   NewtonTask task = rest_task(parts);
   task.tolerance = std::max(task.tolerance, options.tolerance);
   task.only_through_stable = options.only_through_stable;
-  task.slides_first = slides_first;
   const NewtonReport newton = parts.solve(task, unknown, report);
   return judge(parts, task, newton, std::move(unknown), report);
 }

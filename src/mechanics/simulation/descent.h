@@ -11,9 +11,7 @@ namespace soft_robot_lab {
 enum class RestFound { stable, saddle, none };
 
 // Newton alone. Only a stable rest state becomes the state; else it stays as it was.
-// `slides_first`: NewtonTask::slides_first.
-RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {},
-                bool slides_first = false);
+RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {});
 
 // The same after a fall down the energy (SimulationParts::solve_from_below).
 RestFound relax_from_below(SimulationParts& parts, SolveReport& report);

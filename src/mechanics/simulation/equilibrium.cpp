@@ -155,8 +155,6 @@ RestFound Walk::try_stage(double share) {
   const bool cut_can_help = cuttable(share), pressed = cut_can_help && !path_.changes_loads();
   const bool strict = options_.only_through_stable || (cut_can_help && !pressed);
   RestFound found = relax(parts_, report_, {options_.tolerance, strict});
-  const bool rubs = parts_.state.contact.anchors_m.cols() > 0;
-  if (found == RestFound::none && rubs) found = relax(parts_, report_, {options_.tolerance, strict}, true);
   if (pressed && found == RestFound::none && !held_by_friction_alone(parts_)) found = relax_from_below(parts_, report_);
   if (found != RestFound::stable) return found;
   if ((pressed && jumped(share, from.positions_m)) || leapt(share, from.positions_m)) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mechanics/state/backward_difference.h"
@@ -263,7 +264,9 @@ void advance(SimulationParts& parts, double h, const CommandPath& path, const Pa
   parts.state.contact.time_s = obstacles_s;
   advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;
+  const std::string why = report.message;
   advance(parts, h, path, part.second_half(), report);
+  if (report.converged && !first) report.message = why;
   report.converged = report.converged && first;
 }
 

@@ -135,6 +135,11 @@ TEST(Obstacle, RefusesShapesAndMotionsOutOfRangeByName) {
   EXPECT_NE(message({"a", Sphere{{0, 0, 0}, 1.0}, {{1.0, kZero, kZero}, {1.0, kZero, kZero}}, 0.0})
                 .find("motion[1].time_s: 1"),
             std::string::npos);
+  EXPECT_EQ(message({"a", Sphere{{0, 0, 0}, 1.0}, {{0.0, kZero, kZero}, {1.0, kZero, {0, 0, 6.25}}}, 0.0}),
+            "motion[1].rotation_rad: turns by 6.25 rad from the pose before, out of range [0, pi], as the shorter way "
+            "round is taken; add poses between");
+  EXPECT_EQ(message({"a", Sphere{{0, 0, 0}, 1.0}, {{0.0, kZero, {0, 0, -1.5}}, {1.0, kZero, {0, 0, 1.5}}}, 0.0}), "");
+  EXPECT_EQ(message({"a", Sphere{{0, 0, 0}, 1.0}, {{0.0, kZero, {3, 0, 0}}, {1.0, kZero, {0, 3, 0}}}, 0.0}), "");
   EXPECT_NE(message({"a", Sphere{{0, 0, std::nan("")}, 1.0}, {}, 0.0}).find("center_m"), std::string::npos);
   EXPECT_EQ(message({"a", Cylinder{{0, 0, 0}, {0, 0, 1}, 0.2, 0.02}, {{0.0, kZero, kZero}, {1.0, kZero, kZero}}, 0.3}),
             "");

@@ -109,6 +109,31 @@ TEST(RunScene, SaysWhereFreeThingsAreAndWhatTheyTouch) {
   EXPECT_NE(outcome.summary.find(" mm/s, touches nothing\n"), std::string::npos) << outcome.summary;
 }
 
+// Its first half did not converge, and its second, which did, took the reason away.
+TEST(RunScene, SaysWhyAHalvedStepDidNotConverge) {
+  const SceneFolder folder;
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  Scene scene = load_scene(
+      folder.write(
+          "spin.yaml",
+          "body:\n"
+          "  solid: {box: {size_m: [0.02, 0.02, 0.06], center_m: [0, 0, 0.03]}}\n"
+          "  element_size_m: 0.03\n"
+          "  element: linear\n"
+          "  material: {poissons_ratio: 0.3}\n"
+          "  fixed: [{box: {min_m: [-9, -9, -9], max_m: [9, 9, 1.0e-6]}}]\n"
+          "gravity_m_s2: [0, 0, -9.81]\n"
+          "contact:\n"
+          "  obstacles: [{name: a, box: {center_m: [0, 0, 0.0801], size_m: [0.02, 0.02, 0.02]}, mass_kg: 0.01,\n"
+          "               angular_velocity_rad_s: [1.0e+4, 0, 0]}]\n"
+          "run: {mode: dynamic, duration_s: 0.05}\n"),
+      options);
+  const SolveReport report = run_scene(scene).solve;
+  ASSERT_FALSE(report.converged);
+  EXPECT_GT(report.message.size(), report.message.find(" s: ") + 4) << report.message;
+}
+
 TEST(RunScene, ABodyThatLiesOnTheFloorNeedNotBeHeld) {
   const SceneFolder folder;
   SceneOptions options;

@@ -14,18 +14,22 @@ Configuration read_configuration(const YamlNode& node, const std::string& comman
   return configuration;
 }
 
-}  // namespace
-
-bool commands_syringes(const YamlNode& file) {
+// The first one's, which is that of all.
+std::string key_of_commands(const YamlNode& file) {
   const std::vector<YamlNode> configurations = file.sequence("configurations");
   if (configurations.empty()) file.fail("configurations is empty");
-  return configurations.front().has("syringe_ml");
+  for (const char* key : {"syringe_ml", "commands"})
+    if (configurations.front().has(key)) return key;
+  return "contractions";
 }
 
+}  // namespace
+
+bool commands_syringes(const YamlNode& file) { return key_of_commands(file) == "syringe_ml"; }
+
 std::vector<Configuration> read_configurations(const YamlNode& file) {
-  const bool syringes = commands_syringes(file);
-  const std::string commands = syringes ? "syringe_ml" : "contractions";
-  const AllowedRange range = syringes ? AllowedRange::any() : AllowedRange::positive();
+  const std::string commands = key_of_commands(file);
+  const AllowedRange range = commands == "contractions" ? AllowedRange::positive() : AllowedRange::any();
   std::vector<Configuration> configurations;
   for (const YamlNode& node : file.sequence("configurations")) {
     Configuration next = read_configuration(node, commands, range);

@@ -15,7 +15,8 @@ struct Configuration {
 };
 
 // configurations: [{name: a, contractions: [1, 1]}, {name: b, contractions: [1, 0.8]}, ...]
-// or with syringe_ml: [0, 0, 20], the plungers' travel. Names differ, and all have equally many commands, at least one.
+// or with syringe_ml: [0, 0, 20], the plungers' travel, or with commands: [0, 20000], of any actuators in the units of
+// their commands. Names differ, and all have equally many commands, at least one.
 // Throws SettingsError.
 std::vector<Configuration> read_configurations(const YamlNode& file);
 

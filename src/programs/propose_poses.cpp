@@ -52,7 +52,7 @@ void declare(CommandLine& app, Arguments& arguments) {
   app.add_option("--seed", request.seed, "of the candidates").type_name("N").show_default();
   app.add_option("--mass", request.mass_kg, "of the whole robot, weighed").type_name("KG");
   app.add_set_option(arguments.set);
-  app.add_option("--output", arguments.output, "where the table of contractions goes, for run_table_node")
+  app.add_option("--output", arguments.output, "where the table of commands goes, for run_table_node")
       .type_name("FILE");
   app.footer("Exit status: 0 proposed, 1 no pose rests, 2 bad robot or arguments.");
 }
@@ -63,7 +63,7 @@ std::string table_yaml(const PoseProposal& proposal, const std::string& robot) {
   for (std::size_t i = 0; i < proposal.commands.size(); ++i) {
     std::vector<std::string> values;
     for (const double value : proposal.commands[i]) values.push_back(format_number(value));
-    yaml << "  - {name: p" << i + 1 << ", contractions: [" << join(values) << "]}\n";
+    yaml << "  - {name: p" << i + 1 << ", commands: [" << join(values) << "]}\n";
   }
   return yaml.str();
 }

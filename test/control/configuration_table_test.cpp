@@ -35,6 +35,14 @@ TEST(ConfigurationTable, TakesMillilitresOfSyringes) {
   EXPECT_FALSE(commands_syringes(YamlNode::parse("configurations: [{contractions: [1]}]", "table.yaml")));
 }
 
+TEST(ConfigurationTable, TakesCommandsOfAnyActuators) {
+  const auto table = read("configurations: [{name: a, commands: [0, 20000]}, {name: b, commands: [-5000, 1]}]");
+  ASSERT_EQ(table.size(), 2U);
+  EXPECT_EQ(table[0].commands, (std::vector<double>{0.0, 20000.0}));
+  EXPECT_EQ(table[1].commands, (std::vector<double>{-5000.0, 1.0}));
+  EXPECT_FALSE(commands_syringes(YamlNode::parse("configurations: [{commands: [1]}]", "table.yaml")));
+}
+
 TEST(ConfigurationTable, RefusesWhatIsNoTable) {
   EXPECT_NE(refusal("configurations: []").find("configurations is empty"), std::string::npos);
   EXPECT_NE(refusal("configurations: [{name: a, contractions: []}]").find("contractions is empty"), std::string::npos);
@@ -43,6 +51,8 @@ TEST(ConfigurationTable, RefusesWhatIsNoTable) {
   EXPECT_NE(
       refusal("configurations: [{name: a, contractions: [1]}, {name: b, syringe_ml: [1]}]").find("'contractions'"),
       std::string::npos);
+  EXPECT_NE(refusal("configurations: [{name: a, commands: [1]}, {name: b, contractions: [1]}]").find("'commands'"),
+            std::string::npos);
   EXPECT_NE(refusal("configurations: [{name: a, contractions: [1]}, {name: a, contractions: [1]}]").find("'a'"),
             std::string::npos);
   EXPECT_NE(refusal("configurations: [{name: a, contractions: [1, 1]}, {name: b, contractions: [1]}]")

@@ -14,6 +14,7 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <ros/topic.h>
+#include <soft_robot_lab/ActuatorRanges.h>
 #include <soft_robot_lab/ActuatorState.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/RealityGap.h>
@@ -64,37 +65,47 @@ class RestingGap {
   ros::Subscriber subscriber_;
 };
 
-struct CommandTable {
-  std::vector<Configuration> configurations;
-  bool syringes = false;
-};
-
-CommandTable read_table(const std::string& path) {
-  const YamlNode file = YamlNode::load_file(path);
-  return {read_configurations(file), commands_syringes(file)};
+template <typename Message>
+Message heard_on(ros::NodeHandle& node, const char* topic) {
+  const auto heard = ros::topic::waitForMessage<Message>(topic, node, ros::Duration(20.0));
+  if (!heard) throw std::runtime_error(std::string("nothing on ") + topic + ": is there a session?");
+  return *heard;
 }
 
 // In the scene's order, which is the table's.
-std::vector<std::string> actuators_of_session(ros::NodeHandle& node, std::size_t count) {
-  const auto heard = ros::topic::waitForMessage<ActuatorState>(topics::simulator_actuators, node, ros::Duration(20.0));
-  if (!heard)
-    throw std::runtime_error(std::string("nothing on ") + topics::simulator_actuators + ": is there a session?");
-  if (heard->names.size() != count)
-    throw std::invalid_argument("the session's robot has " + std::to_string(heard->names.size()) +
+ActuatorRanges actuators_of_session(ros::NodeHandle& node, std::size_t count) {
+  const ActuatorRanges ranges = heard_on<ActuatorRanges>(node, topics::simulator_ranges);
+  if (ranges.names.size() != count)
+    throw std::invalid_argument("the session's robot has " + std::to_string(ranges.names.size()) +
                                 " actuators, the table " + std::to_string(count));
-  return heard->names;
+  return ranges;
+}
+
+// Of cables by contraction, so that they are slack whatever the table pulled: paid out from a pull, a drive would stop
+// short of its zero by its backlash. The others' at rest.
+std::vector<double> slack_commands(const ActuatorRanges& ranges, const std::vector<CableState>& cables,
+                                   const std::vector<Configuration>& table) {
+  std::vector<double> commands = ranges.rests;
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const auto is_this = [&](const CableState& cable) { return cable.name == ranges.names[i]; };
+    if (ranges.units[i] != "1" || std::none_of(cables.begin(), cables.end(), is_this)) continue;
+    commands[i] = std::min(1.05, ranges.maxs[i]);
+    for (const Configuration& configuration : table) commands[i] = std::max(commands[i], configuration.commands[i]);
+  }
+  return commands;
 }
 
 class TableRun {
  public:
-  TableRun(const CommandTable& table, double hold_s)
-      : table_(table), hold_s_(hold_s), names_(actuators_of_session(node_, front().commands.size())) {}
+  TableRun(const std::vector<Configuration>& table, double hold_s)
+      : table_(table), hold_s_(hold_s), ranges_(actuators_of_session(node_, table.front().commands.size())) {}
 
   void run() {
     std::string heading;
-    for (const std::string& name : names_) heading += name + std::string(name.size() < 6 ? 7 - name.size() : 1, ' ');
+    for (const std::string& name : ranges_.names)
+      heading += name + std::string(name.size() < 6 ? 7 - name.size() : 1, ' ');
     std::printf("      %sat rest after   gap [mm rms]\n", heading.c_str());
-    for (const Configuration& configuration : table_.configurations) {
+    for (const Configuration& configuration : table_) {
       go_and_tell(configuration);
       if (!ros::ok()) throw std::runtime_error("the session ended");
     }
@@ -102,11 +113,9 @@ class TableRun {
   }
 
  private:
-  const Configuration& front() const { return table_.configurations.front(); }
-
   ExecutePolicy::Response go(const std::vector<double>& values) {
     ExecutePolicy::Request request;
-    request.policy.names = names_;
+    request.policy.names = ranges_.names;
     request.policy.steps.resize(1);
     request.policy.steps[0].time_s = ramp_s;
     request.policy.steps[0].values = values;
@@ -124,29 +133,23 @@ class TableRun {
     std::fflush(stdout);
   }
 
-  // Of cables by way of slack ones: paid out from a pull, a drive would stop short of its zero by its backlash.
   void return_to_rest() {
-    if (table_.syringes) {
-      go(std::vector<double>(names_.size(), 0.0));
-      return;
-    }
-    double slack = 1.05;
-    for (const Configuration& configuration : table_.configurations)
-      slack = std::max(slack, *std::max_element(configuration.commands.begin(), configuration.commands.end()));
-    go(std::vector<double>(names_.size(), slack));
-    go(std::vector<double>(names_.size(), 1.0));
+    const auto cables = heard_on<ActuatorState>(node_, topics::simulator_actuators).cables;
+    const std::vector<double> slack = slack_commands(ranges_, cables, table_);
+    if (slack != ranges_.rests) go(slack);
+    go(ranges_.rests);
   }
 
-  CommandTable table_;
+  std::vector<Configuration> table_;
   double hold_s_;
   ros::NodeHandle node_;
   RestingGap gap_{node_};
-  std::vector<std::string> names_;
+  ActuatorRanges ranges_;
 };
 
 int run_table(const std::string& experiment, double hold_s) {
   require_in_range("HOLD_S", hold_s, {0.0, longest_hold_s, true});
-  const CommandTable table = read_table(experiment);
+  const std::vector<Configuration> table = read_configurations(YamlNode::load_file(experiment));
   try {
     TableRun(table, hold_s).run();
     return kGood;

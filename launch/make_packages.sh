@@ -14,7 +14,7 @@ build=$package/build/packages
 command -v dpkg-shlibdeps >/dev/null || { echo "make_packages.sh: dpkg-shlibdeps is missing: apt-get install dpkg-dev" >&2; exit 1; }
 ! command -v ninja >/dev/null || export CMAKE_GENERATOR=${CMAKE_GENERATOR-Ninja}
 ! command -v clang++ >/dev/null || export CXX=${CXX-clang++}
-cmake -S "$package" -B "$build" -DSOFT_ROBOT_LAB_TESTS=OFF -DSOFT_ROBOT_LAB_LINES=OFF -DCMAKE_INSTALL_PREFIX=/usr -DCMAKE_INSTALL_LIBDIR=lib -DCATKIN_BUILD_BINARY_PACKAGE=ON
+cmake -S "$package" -B "$build" -DSOFT_ROBOT_LAB_TESTS=OFF -DSOFT_ROBOT_LAB_LINES=OFF -DCMAKE_INSTALL_PREFIX=/usr -DCATKIN_BUILD_BINARY_PACKAGE=ON
 cmake --build "$build" -j"${JOBS:-$(nproc)}"
 (cd "$build" && umask 022 && cpack -B "$build/cpack")
 cp "$build"/cpack/*.deb "$output"

@@ -34,4 +34,5 @@ look at it    rosrun soft_robot_lab view.sh $name.yaml
 simulate it   rosrun soft_robot_lab simulate $name.yaml --result $name.json
 a session     roslaunch soft_robot_lab session.launch scene:=$file
 its rig       rosrun soft_robot_lab new_rig $name.yaml
+all of it     rosrun soft_robot_lab life.sh $name.yaml --output ${name}_life
 TEXT

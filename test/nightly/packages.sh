@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
 # packages.sh [FOLDER]: installs Debian packages, those of the folder or newly made ones, into a fresh Debian 12 by debootstrap, and lets a
-# robot move and reach there without a compiler. As root; needs debootstrap and a Debian mirror, that of this machine's apt.
+# session run there without a compiler: Spinebot reaches for a ball and is recorded, as in the demonstration. As root; needs debootstrap
+# and a Debian mirror, that of this machine's apt.
 set -euo pipefail
 package=$(cd "$(dirname "$0")/../.." && pwd)
 ((EUID == 0)) || { echo "skipped: debootstrap needs root"; exit 77; }
@@ -28,13 +29,17 @@ inside bash -c 'apt-get install -y -q --no-install-recommends /packages/*.deb' >
 echo "installed in $((SECONDS - start)) s"
 ! inside bash -c 'command -v g++ || command -v clang++' || echo "with a compiler, which -dev wants"
 inside rosrun soft_robot_lab simulate /usr/share/soft_robot_lab/config/robots/spinebot/robot.yaml --result /tmp/result.json
-inside python3 -c 'import soft_robot_lab; s = soft_robot_lab.Simulation("/usr/share/soft_robot_lab/config/robots/spinebot/robot.yaml"); s.settle(); print(s.markers()["tip"])'
+inside bash -c 'cd /tmp && rosrun soft_robot_lab new_robot.sh finger'
+inside python3 -c 'import soft_robot_lab; s = soft_robot_lab.Simulation("/tmp/finger.yaml"); s.settle(); print(s.markers()["tip"])'
 start=$SECONDS
 inside bash -c '
-  roslaunch -p 11399 soft_robot_lab session.launch robot:=spinebot rviz:=false >/tmp/session.log 2>&1 &
-  export ROS_MASTER_URI=http://127.0.0.1:11399
-  until rostopic list >/dev/null 2>&1; do kill -0 $! || { tail /tmp/session.log; exit 1; }; sleep 0.2; done
-  timeout 110 rosrun soft_robot_lab reach_target_node /usr/share/soft_robot_lab/config/robots/spinebot/tasks/ball.yaml || { tail /tmp/session.log; exit 1; }
+  port=$(/usr/lib/soft_robot_lab/free_port.py)
+  robot=/usr/share/soft_robot_lab/config/robots/spinebot
+  roslaunch -p $port soft_robot_lab session.launch robot:=spinebot scene:=$robot/touching.yaml rviz:=false record:=true bag_folder:=/tmp/bags >/tmp/session.log 2>&1 &
+  export ROS_MASTER_URI=http://127.0.0.1:$port
+  until rostopic list >/dev/null 2>&1; do kill -0 $! || { cat /tmp/session.log; exit 1; }; sleep 0.2; done
+  timeout 600 rosrun soft_robot_lab reach_target_node $robot/tasks/ball.yaml || { cat /tmp/session.log; exit 1; }
   kill -INT $!
-  wait'
-echo "a session, and a reached ball, in $((SECONDS - start)) s"
+  wait
+  rosbag info /tmp/bags/*.bag | grep messages:'
+echo "a session, a reached ball and a recording in $((SECONDS - start)) s"

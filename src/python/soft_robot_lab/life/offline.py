@@ -95,7 +95,7 @@ def fidelity(journal, outcome):
         journal.program('simulate', 'asked.yaml', '--result', 'result.json', good=(0, 1))
         judged = read_json(journal.path('fidelity', 'result.json'))['fidelity']
         outcome.say('fidelity', judged['sentence'])
-        _write(journal.path('fidelity', 'model.yaml'), 'include: %s\nbody: {%s}\n' % (json.dumps(robot), _mesh_of(judged)))
+        _write(journal.path('fidelity', 'model.yaml'), 'include: %s\n%s' % (json.dumps(robot), judged['choice']))
         outcome.values['model'] = journal.path('fidelity', 'model.yaml')
     except Refusal as refusal:
         outcome.say('no other mesh', str(refusal))
@@ -108,25 +108,24 @@ def fidelity(journal, outcome):
     draw(journal, 'fidelity', 'mesh.svg', [skin('at rest', simulation, BLUE)], [(name, place, RED) for name, place in simulation.markers().items()])
 
 
-def _mesh_of(judged):
-    chosen = judged['chosen']
-    return 'element: %s, element_size_m: %.6g' % (chosen.get('element', 'quadratic'), chosen['element_size_m'])
-
-
 def workspace(journal, outcome):
     """Where a marker rests over all commands; a target and a path are taken from there."""
     markers = journal.values('fidelity')['markers']
     if not markers:
         raise Refusal('the robot has no markers, so nothing can be brought anywhere; markers: adds some')
     marker = 'tip' if 'tip' in markers else markers[-1]
-    journal.program('workspace', model(journal), '--output', 'tips', '--samples', SAMPLES, '--marker', marker, good=(0, 1))
+    simulation = at_rest(model(journal))
+    words = []
+    for name, (at_rest_, least, *_) in simulation.limits.items():
+        if least < at_rest_:  # beyond rest a cable hangs idle
+            words += ['--range', name, least, at_rest_]
+    journal.program('workspace', model(journal), '--output', 'tips', '--samples', SAMPLES, '--marker', marker, *words, good=(0, 1))
     with open(journal.path('workspace', 'tips', 'results.csv'), newline='', encoding='utf-8') as file:
         rows = list(csv.DictReader(file))
-    outcome.values.update(marker=marker, columns=list(rows[0]) if rows else [])
+    outcome.values['marker'] = marker
     tips = reachable(rows, marker)
     if len(tips) < 4:
         raise Refusal('only %d of %d commands have a rest state that does not snap' % (len(tips), len(rows)))
-    simulation = at_rest(model(journal))
     rest = simulation.markers()[marker]
     tips.sort(key=lambda tip: float(numpy.linalg.norm(tip - rest)))
     far = [float(numpy.linalg.norm(tip - rest)) for tip in tips]
@@ -139,8 +138,8 @@ def workspace(journal, outcome):
 
 def reachable(rows, marker):
     """Where the marker rests, without commands that failed, snapped or folded."""
-    columns = ['%s_%s_m' % (marker, axis) for axis in 'xyz']
-    good = [row for row in rows if row.get('snapped', '0') in ('', '0') and row.get('folded', '0') in ('', '0') and all(row[c] for c in columns)]
+    columns = ['markers.%s.position_m.%s' % (marker, axis) for axis in 'xyz']
+    good = [row for row in rows if row['state'] == 'good' and 'true' not in (row['snapped'], row['folded'])]
     return [numpy.array([float(row[column]) for column in columns]) for row in good]
 
 

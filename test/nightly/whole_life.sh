@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# life.sh ROBOT FOLDER: the whole life of test/data/robots/ROBOT.yaml, or of what new_robot.sh writes (new_robot), in a new folder. No step
+# whole_life.sh ROBOT FOLDER: the whole life of test/data/robots/ROBOT.yaml, or of what new_robot.sh writes (new_robot), in a new folder. No step
 # breaks down or is left out, what is refused is refused for a known reason, a second run does nothing again, and it all takes less
 # than 20 minutes of CPU.
 set -euo pipefail

@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
 # packages.sh [FOLDER]: installs Debian packages, those of the folder or newly made ones, into a fresh Debian 12 by debootstrap, and lets a
-# session run there without a compiler: Spinebot reaches for a ball and is recorded, as in the demonstration. As root; needs debootstrap
-# and a Debian mirror, that of this machine's apt.
+# session run there without a compiler: Spinebot reaches for a ball and is recorded, as in the demonstration. Before that lintian looks at them,
+# where there is one. As root; needs debootstrap and a Debian mirror, that of this machine's apt.
 set -euo pipefail
 package=$(cd "$(dirname "$0")/../.." && pwd)
 ((EUID == 0)) || { echo "skipped: debootstrap needs root"; exit 77; }
@@ -12,6 +12,8 @@ end() { umount "$work/root/proc" "$work/root/sys" "$work/root/dev" 2>/dev/null |
 trap end EXIT
 folder=${1:-$work/packages}
 [[ -n ${1-} ]] || "$package/launch/make_packages.sh" "$folder"
+# Some of our small libraries call nothing of libc themselves, only of libstdc++.
+! command -v lintian >/dev/null || lintian --allow-root --fail-on error,warning --suppress-tags library-not-linked-against-libc "$folder"/*.deb
 
 mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' | head -1)
 debootstrap --variant=minbase bookworm "$work/root" "$mirror" >"$work/log" || { tail "$work/log"; exit 1; }

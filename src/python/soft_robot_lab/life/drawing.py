@@ -15,7 +15,7 @@ _AXES = numpy.array([[numpy.cos(_TURN), numpy.sin(_TURN), 0.0],
 def robots(skins, points):
     """skins: (name, nodes_m (n x 3), faces (m x 3 or 6), colour); points: (name, place in metres, colour), drawn over them."""
     placed = [numpy.asarray(nodes_m) @ _AXES.T for _, nodes_m, _, _ in skins]
-    spots = [numpy.asarray(place_m) @ _AXES.T for _, place_m, _ in points]
+    spots = [numpy.asarray(position_m) @ _AXES.T for _, position_m, _ in points]
     everything = numpy.vstack(placed + ([numpy.array(spots)] if spots else []))[:, :2]
     low, high = everything.min(axis=0), everything.max(axis=0)
     scale = min((_WIDTH - 2 * _MARGIN) / max(high[0] - low[0], 1e-9), (_HEIGHT - 2 * _MARGIN) / max(high[1] - low[1], 1e-9))

@@ -71,8 +71,8 @@ def play(session, policy):
     seen = session.record(SEEN_S, 'tracker').markers_m.get(policy['marker'])
     if seen is None or numpy.isnan(seen).all():
         raise SessionError('the tracker does not see %s there' % policy['marker'])
-    place_m = numpy.nanmedian(seen, axis=0)
-    return {'at_m': list(place_m), 'off_m': float(numpy.linalg.norm(place_m - policy['target_m']))}
+    position_m = numpy.nanmedian(seen, axis=0)
+    return {'at_m': list(position_m), 'off_m': float(numpy.linalg.norm(position_m - policy['target_m']))}
 
 
 def write_png(image, path):

@@ -23,8 +23,8 @@ def read_json(path):
         return json.load(file)
 
 
-def millimetres(place_m):
-    return '(%s) mm' % ', '.join('%.1f' % (1e3 * number) for number in place_m)
+def millimetres(position_m):
+    return '(%s) mm' % ', '.join('%.1f' % (1e3 * number) for number in position_m)
 
 
 def model(journal):

@@ -10,8 +10,8 @@
 #include "bindings.h"
 #include "python_overrides.h"
 #include "robot/scene/parameters.h"
-#include "robot/scene/sections.h"
 #include "settings/limits.h"
+#include "settings/named_file.h"
 #ifdef SOFT_ROBOT_LAB_ROBUST
 #include "study/robust/random_robots.h"
 #endif
@@ -126,7 +126,7 @@ void read_random(const YamlNode& file, py::dict& task) {
   task["randomisation"] = py::none();
   if (!random) return;
   py::dict all;
-  all["file"] = beside(*random, random->text("file"));
+  all["file"] = named_file(random->child("file"));
   all["samples"] = random->integer_or("samples", 0, 1, kMostTargets);
   all["seed"] = random->integer_or("seed", 0, 1, kLargestSeed);
   task["randomisation"] = all;
@@ -136,7 +136,7 @@ py::dict read_learning_task(const fs::path& path, const std::optional<py::dict>&
   YamlNode file = load_settings(path.string());
   if (overrides) file = python_overrides(path.string(), *overrides).over(file);
   py::dict task;
-  task["robot"] = beside(file, file.text("robot"));
+  task["robot"] = named_file(file.child("robot"));
   task["method"] = py::none();
   if (file.has("method")) task["method"] = file.choice("method", {"newton", "xpbd", "reduced"});
   task["marker"] = file.text("marker");

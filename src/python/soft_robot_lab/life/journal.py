@@ -149,7 +149,7 @@ class Journal:
 
 def last_words(text):
     """Of what a program printed: its last lines, without its bar."""
-    lines = [line.split('\r')[-1].strip() for line in text.splitlines()]
+    lines = [line.split('\r')[-1].strip() for line in text.split('\n')]  # splitlines() cuts at \r too
     return ' '.join([line for line in lines if line and 'warning:' not in line][-3:])
 
 

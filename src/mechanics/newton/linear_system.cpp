@@ -56,10 +56,10 @@ bool LinearSystem::linearise(const NewtonState& state, double inertia_per_s2,
   return true;
 }
 
-// A point that comes to touch after it has slid along has no pressure yet that would tie it. By the pressure that its
-// gap stands for it goes on sliding.
+// A point that comes to touch skin after it has slid along has no pressure yet that would tie it. By the pressure that
+// its gap stands for it goes on sliding.
 bool LinearSystem::slides_where_met(const ContactTouch& touch) const {
-  if (!touch.closed || touch.friction.limit_pa != 0.0) return false;
+  if (!touch.on_skin() || !touch.closed || touch.friction.limit_pa != 0.0) return false;
   const double next_pa = energies_.contact.law(touch).pressure_pa(touch.gap_m);
   FrictionLaw next = touch.friction;
   next.limit_pa = energies_.contact.friction_of(touch) * next_pa;

@@ -9,6 +9,7 @@
 namespace soft_robot_lab {
 namespace {
 
+// With d(x - y) how the point moves against the surface, and w how that turns: dn = bend d(x - y) + w x n.
 Eigen::Vector3d away_motion_m(const ContactTerm& contact, const ContactTouch& touch, const Eigen::Vector3d& relative_m,
                               const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) {
   if (touch.on_skin()) return away_motion_m(contact.skin(), touch, relative_m, motion_m);
@@ -45,6 +46,7 @@ void add_turned_tie(const ContactTerm& contact, const ContactTouch& touch, const
                    residual_n);
 }
 
+// Beyond an edge the push has no potential, and the matrix has it as above the face.
 void add_push_at_edge(const ContactTerm& contact, const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
                       Eigen::Matrix3Xd& residual_n) {
   const Eigen::Vector3d relative_m = contact.skin().relative_m(touch, motion_m);

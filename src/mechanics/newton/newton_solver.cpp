@@ -95,23 +95,19 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   result.contact = energies_.contact.sums(state.positions_m, state.contact);
   energies_.contact.add_forces(result.contact, result.residual_n);
   tables_->release(result.residual_n);
-  if (energies_.contact.free().count() > 0) add_free_obstacles(state, result);
+  const double free_residual = energies_.contact.free().count() > 0 ? add_free_obstacles(state, result) : 0.0;
   const double volume_residual =
       energies_.elements.mismatch(result.elements.volumetric_strain, state.element_multipliers_pa)
           .cwiseAbs()
           .maxCoeff();
   double residual_n = result.residual_n.norm();
-  double free_imbalance = 0.0;
   if (energies_.contact.free().count() > 0) {
-    free_imbalance =
-        soft_robot_lab::free_imbalance(energies_.contact.free(), energies_.contact.free_forces_n(result.contact),
-                                       result.free_residual, state.free_inertia.get());
     largest = std::max(largest, energies_.contact.free().weight_n());
     residual_n = std::hypot(residual_n, free_norm_n(energies_.contact.free(), result.free_residual));
   }
   result.force_scale_n = largest;
   result.relative_residual =
-      std::max({residual_n / largest, constraint_residual, volume_residual, result.contact.mismatch, free_imbalance});
+      std::max({residual_n / largest, constraint_residual, volume_residual, result.contact.mismatch, free_residual});
   result.finite =
       std::isfinite(residual_n) && std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy);
   return result;
@@ -143,10 +139,12 @@ double NewtonSolver::add_constraints(const NewtonState& state, Evaluation& resul
   return residual;
 }
 
-void NewtonSolver::add_free_obstacles(const NewtonState& state, Evaluation& result) const {
-  result.free_residual = energies_.contact.free_forces_n(result.contact);
-  result.smooth_energy +=
-      add_free_gradient(energies_.contact.free(), state.contact.free, state.free_inertia.get(), result.free_residual);
+double NewtonSolver::add_free_obstacles(const NewtonState& state, Evaluation& result) const {
+  const FreeObstacles& free = energies_.contact.free();
+  const FreeColumns contact_n = energies_.contact.free_forces_n(result.contact);
+  result.free_residual = contact_n;
+  result.smooth_energy += add_free_gradient(free, state.contact.free, state.free_inertia.get(), result.free_residual);
+  return free_imbalance(free, contact_n, result.free_residual, state.free_inertia.get());
 }
 
 FreeColumns NewtonSolver::free_load(const Evaluation& here) const {

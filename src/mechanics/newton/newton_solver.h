@@ -219,7 +219,7 @@ class NewtonSolver {
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
   double add_constraints(const NewtonState& state, Evaluation& result) const;  // how far the worst is from its law
   void let_faces_go();                                                         // that points have kept while it solved
-  void add_free_obstacles(const NewtonState& state, Evaluation& result) const;
+  double add_free_obstacles(const NewtonState& state, Evaluation& result) const;  // returns free_imbalance()
   using Slip = LinearSystem::Slip;
   // How solve() finds its next step.
   struct StepPolicy {

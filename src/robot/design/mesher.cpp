@@ -51,12 +51,6 @@ void check_request(const MeshRequest& request) {
   }
 }
 
-std::string single_quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
-  return result + "'";
-}
-
 // What mesh_robot reads.
 std::string request_text(const MeshRequest& request) {
   std::ostringstream text;
@@ -72,7 +66,7 @@ std::string request_text(const MeshRequest& request) {
        << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
   for (const MeshRefinement& r : request.refinements) {
     if (!r.surface.empty()) {
-      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << single_quoted(r.surface)
+      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quote(r.surface)
            << ", size_m: " << r.size_m << "}\n";
       continue;
     }
@@ -80,7 +74,7 @@ std::string request_text(const MeshRequest& request) {
          << "], radius_m: " << r.radius_m << ", size_m: " << r.size_m << "}\n";
   }
   for (std::size_t i = 0; i < request.regions.size(); ++i)
-    text << (i == 0 ? "regions: [" : ", ") << single_quoted(request.regions[i])
+    text << (i == 0 ? "regions: [" : ", ") << quote(request.regions[i])
          << (i + 1 == request.regions.size() ? "]\n" : "");
   return text.str();
 }

@@ -34,13 +34,20 @@ void check_body(const YamlNode& scene, const YamlNode& included) {
   if (body && below && body->is_map() && below->is_map()) check_material(*body, *below);
 }
 
+// The same for all names of one file. A name that no file can have is left as it is.
+std::string plain_path(const std::string& path) {
+  std::error_code failed;
+  const std::filesystem::path plain = std::filesystem::weakly_canonical(path, failed);
+  return failed ? path : plain.string();
+}
+
 // `open_files`: those that led here, to find circles.
 YamlNode resolve(const YamlNode& settings, std::vector<std::string> open_files) {
   const std::optional<YamlNode> include = settings.optional_child("include");
   if (!include) return settings;
-  open_files.push_back(std::filesystem::weakly_canonical(settings.source()).string());
+  open_files.push_back(plain_path(settings.source()));
   const std::string base = named_file(*include);
-  if (std::find(open_files.begin(), open_files.end(), std::filesystem::weakly_canonical(base)) != open_files.end()) {
+  if (std::find(open_files.begin(), open_files.end(), plain_path(base)) != open_files.end()) {
     include->fail("'" + include->as_text() + "' includes itself");
   }
   std::error_code ignored;
@@ -56,12 +63,12 @@ YamlNode with_includes(const YamlNode& settings) { return resolve(settings, {});
 
 std::vector<std::string> files_of_scene(const std::string& path) {
   std::vector<std::string> files;
-  std::string at = std::filesystem::weakly_canonical(path);
+  std::string at = plain_path(path);
   while (std::find(files.begin(), files.end(), at) == files.end()) {
     files.push_back(at);
     const YamlNode settings = YamlNode::load_file(at);
     if (settings.is_map() && settings.has("include"))
-      at = std::filesystem::weakly_canonical(named_file(settings.child("include")));
+      at = plain_path(named_file(settings.child("include")));
   }
   return files;
 }

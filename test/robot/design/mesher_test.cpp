@@ -113,7 +113,8 @@ TEST_F(MeshFileFor, MeshesOnceAndThenUsesTheCache) {
 TEST_F(MeshFileFor, PassesRefinementsOnAsTheyAreRead) {
   use_script("cp \"$1\" \"$2\"");
   const std::vector<std::string> table = {"{center_m: [0, 0, 0.5], radius_m: 0.25, size_m: 0.125}",
-                                          "{surface: 'it''s', size_m: 0.125}", "{edges_of: 'cavity', size_m: 0.125}"};
+                                          R"({surface: "it's", size_m: 0.125})",
+                                          R"({edges_of: "cavity", size_m: 0.125})"};
   std::string expected;
   for (const std::string& refinement : table) {
     request_.refinements.push_back(read_mesh_refinement(YamlNode::parse(refinement, "test")));
@@ -152,7 +153,7 @@ TEST_F(MeshFileFor, MeshesAgainWhenAReferencedFileChanges) {
   request_.solid.reset();
   request_.mesh_file = part;
   const std::string second = mesh_file_for(request_, options_);
-  EXPECT_EQ(text_of(second), "mesh_file: '" + (folder_ / "part''s.step").string() + "'\n");
+  EXPECT_EQ(text_of(second), "mesh_file: \"" + part.string() + "\"\n");
   std::ofstream(part) << "three";
   EXPECT_NE(mesh_file_for(request_, options_), second);
   EXPECT_EQ(runs(), 4);

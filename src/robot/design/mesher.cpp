@@ -66,8 +66,8 @@ std::string request_text(const MeshRequest& request) {
        << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
   for (const MeshRefinement& r : request.refinements) {
     if (!r.surface.empty()) {
-      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quote(r.surface)
-           << ", size_m: " << r.size_m << "}\n";
+      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quote(r.surface) << ", size_m: " << r.size_m
+           << "}\n";
       continue;
     }
     text << "- {center_m: [" << r.center_m.x() << ", " << r.center_m.y() << ", " << r.center_m.z()

@@ -67,8 +67,7 @@ std::vector<std::string> files_of_scene(const std::string& path) {
   while (std::find(files.begin(), files.end(), at) == files.end()) {
     files.push_back(at);
     const YamlNode settings = YamlNode::load_file(at);
-    if (settings.is_map() && settings.has("include"))
-      at = plain_path(named_file(settings.child("include")));
+    if (settings.is_map() && settings.has("include")) at = plain_path(named_file(settings.child("include")));
   }
   return files;
 }

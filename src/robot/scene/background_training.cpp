@@ -49,7 +49,6 @@ void BackgroundTraining::train(const std::string& scene, SceneOptions options) {
   options.interrupt = [this] { return ends_.load(); };
   options.on_warnings = {};
   options.progress = [this](double share, const std::string& what) {
-    if (ends_) throw std::runtime_error("stopped");
     say("training: " + std::to_string(std::lround(100.0 * share)) + " %, " + what);
   };
   try {

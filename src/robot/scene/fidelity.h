@@ -72,6 +72,13 @@ struct Judgement {
   const SceneOptions& options;
   FidelityUse use = FidelityUse::rest;
   double cost_s = 0.0;  // counted, of all solves until now
+
+  // Throws where the solve ended as it was asked to: nothing that follows from it would be true.
+  double count(const SolveCost& cost, const SolveReport& report) {
+    if (report.interrupted) refuse_interrupted(options);
+    cost_s += cost.of(report);
+    return cost.of(report);
+  }
 };
 
 // What the scene is judged at: rest states, each the commands of all actuators in their order. Those of its run; where

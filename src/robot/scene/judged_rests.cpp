@@ -119,8 +119,7 @@ JudgedRests judged_rests(Scene& scene, const std::vector<Eigen::Vector3d>& probe
   for (const std::vector<double>& commands : judged_commands(simulation, scene.run, judgement.use)) {
     command(commands, simulation);
     const SolveReport report = simulation.solve_equilibrium();
-    judgement.cost_s += cost.of(report);
-    spent_s += cost.of(report);
+    spent_s += judgement.count(cost, report);
     ++number;
     if (report.converged) {
       add_state(simulation, number, probe_markers, all);

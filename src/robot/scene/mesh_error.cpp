@@ -103,7 +103,7 @@ std::optional<MeshJudge::Reference> MeshJudge::subdivided(const YamlNode& settin
     EquilibriumOptions roughly;
     roughly.tolerance = kFineTolerance;
     const SolveReport report = simulation.solve_equilibrium(roughly);
-    judgement_.cost_s += cost.of(report);
+    judgement_.count(cost, report);
     if (!report.converged) {
       trouble = "no rest state on the finer mesh: " + report.message;
       return std::nullopt;

@@ -151,7 +151,7 @@ std::optional<PartEffect> contact_effect(const YamlNode& settings, const TetMesh
     if (!met) continue;
     command(rests.states[i].commands(), *with.simulation);
     const SolveReport report = with.simulation->solve_equilibrium();
-    judgement.cost_s += cost.of(report);
+    judgement.count(cost, report);
     if (!report.converged) continue;
     compare({rests.markers_m[i]}, {positions_of(with.simulation->markers(), with.simulation->state().positions_m)},
             markers, effect);

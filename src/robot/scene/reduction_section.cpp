@@ -63,9 +63,12 @@ std::shared_ptr<const SceneReduction> reduce(const YamlNode& settings, const Sce
   if (std::optional<ReducedChoice> known = find_reduction(key, model, options))
     return std::make_shared<SceneReduction>(SceneReduction{std::move(*known), request, true});
   if (options.reduced == ReducedUse::if_kept) return nullptr;
-  SceneReduction made{
-      in_section(settings.child("solver"), [&] { return choose_modes(model, request, options.progress); }), request,
-      false};
+  const TrainingProgress progress = [&](double share, const std::string& what) {
+    refuse_interrupted(options);
+    if (options.progress) options.progress(share, what);
+  };
+  SceneReduction made{in_section(settings.child("solver"), [&] { return choose_modes(model, request, progress); }),
+                      request, false};
   keep_reduction(key, made.choice, options);
   return std::make_shared<SceneReduction>(std::move(made));
 }

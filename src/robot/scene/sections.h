@@ -27,6 +27,9 @@ Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& op
 inline MesherOptions mesher_options(const SceneOptions& options) {
   return {options.mesher, options.cache_folder, options.meshing_limit_s, options.interrupt};
 }
+inline void refuse_interrupted(const SceneOptions& options) {
+  if (options.interrupt && options.interrupt()) throw std::runtime_error("loading was interrupted");
+}
 std::string mesh_file(const YamlNode& scene, const MesherOptions& mesher);  // its path in the cache
 TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options);      // `body`, `bodies`: their shapes
 std::vector<YamlNode> body_sections(const YamlNode& scene);                 // `body`, and the items of `bodies`

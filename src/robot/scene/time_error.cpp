@@ -74,7 +74,7 @@ class Stretch {
     Scene scene = build_scene(settings, mesh, judgement_.options);
     scene.run = motion_of(*scene.simulation, scene.run, judgement_.use);
     RunReport report = run_scene(scene);
-    judgement_.cost_s += solve_cost(*scene.simulation->model()).of(report.solve);
+    judgement_.count(solve_cost(*scene.simulation->model()), report.solve);
     if (!report.solve.converged && trouble_.empty()) trouble_ = report.solve.message;
     return {std::move(report.trajectory.markers_m), std::move(report.solve), scene.run.duration_s};
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files in millimetres, sizes that show that somebody wrote millimetres or megapascals, and odd cables.
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -300,7 +301,7 @@ TEST(Sizes, WarningsReachTheReportOfARun) {
   EXPECT_EQ(report.solve.warnings[0].kind, "implausible_stalk");
 }
 
-// An interrupt ends what follows the warnings, so that they came first.
+// An interrupt ends what follows the warnings, so that they came first. What was not found for it is not kept.
 TEST(Sizes, WarningsComeBeforeAMeshIsJudgedOrAModelTrained) {
   const SceneFolder folder;
   const std::string odd = "include: bar.yaml\ngravity_m_s2: [0, -60, 0]\n";
@@ -308,16 +309,22 @@ TEST(Sizes, WarningsComeBeforeAMeshIsJudgedOrAModelTrained) {
        {std::string("solver: {method: reduced, commands: {left: [0.9, 1], right: [0.9, 1]}}\n"),
         std::string("fidelity: {tolerance_m: 1, max_nodes: 300}\n")}) {
     SceneOptions options = with_mesher();
+    options.cache_folder = folder.path("cache");
     std::vector<SolveWarning> seen;
     options.reduced = ReducedUse::trained;
     options.on_warnings = [&](const auto& warnings) { seen = warnings; };
     options.interrupt = [&] { return !seen.empty(); };
+    std::string end = "loaded";
     try {
       load_scene(folder.write("odd.yaml", odd + more), options);
-    } catch (const std::exception&) {  // as it is interrupted
+    } catch (const std::exception& interrupted) {
+      end = interrupted.what();
     }
+    EXPECT_EQ(end, "loading was interrupted") << more;
     ASSERT_FALSE(seen.empty()) << more;
     EXPECT_EQ(seen[0].kind, "implausible_gravity");
+    for (const auto& kept : std::filesystem::directory_iterator(options.cache_folder))
+      EXPECT_EQ(kept.path().extension(), ".msh") << more;
   }
 }
 

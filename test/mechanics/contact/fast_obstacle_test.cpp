@@ -61,6 +61,20 @@ TEST(FastObstacle, ThatAStepCanFollowIsNot) {
   EXPECT_GT(simulation.state().contact.free.centers_m(1, 0), 0.0);
 }
 
+// A bar that turns at 1e4 rad/s would pass through the block 26 times in a step; one whose turns are whole too.
+TEST(FastObstacle, ThatTurnsFasterThanAStepCanFollowIsNamed) {
+  for (const double turn_rad_s : {1e4, 120.0 * M_PI}) {
+    Obstacle bar{"bar", RoundedBox{{0, 0.01, 0}, {0.03, 0.002, 0.002}, 0.0004}, {}, 0.0};
+    bar.mass_kg = 0.004;
+    bar.angular_velocity_rad_s = {0, 0, turn_rad_s};
+    Simulation simulation = with({bar});
+    const SolveReport report = simulation.step();
+    ASSERT_TRUE(fast(report)) << turn_rad_s;
+    EXPECT_NE(fast(report)->text.find("obstacle 'bar'"), std::string::npos) << fast(report)->text;
+    EXPECT_TRUE(simulation.state().positions_m.allFinite());
+  }
+}
+
 // 33 mm in a step, towards a plate 4 mm thick.
 TEST(FastObstacle, DoesNotPassThroughAnotherObstacle) {
   SolverOptions options;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -14,6 +15,18 @@ constexpr double kLittle = 1e-3;   // of E * size: what stands for it where ther
 constexpr double kStill = 1e-6;    // of a free obstacle's size: a way in a step whose inertia counts as none
 
 Eigen::Map<const Eigen::VectorXd> as_column(const FreeColumns& columns) { return {columns.data(), columns.size()}; }
+
+// N/m; turns count by the way of the surface. A step moves no obstacle more softly.
+double least_inertia_n_m(const FreeObstacles& free, const FreeInertia& inertia) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < free.count(); ++i) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia.kg_m2[static_cast<std::size_t>(i)],
+                                                              Eigen::EigenvaluesOnly);
+    const double of_turns_kg = axes.eigenvalues()[0] / (free.size_m(i) * free.size_m(i));
+    least = std::min(least, inertia.per_s2 * std::min(free.mass_kg(i), of_turns_kg));
+  }
+  return least;
+}
 
 }  // namespace
 
@@ -68,7 +81,7 @@ double free_imbalance(const FreeObstacles& free, const FreeColumns& contact_n, c
 }
 
 FreeBorder::FreeBorder(Eigen::MatrixXd border, Eigen::MatrixXd solved, Eigen::MatrixXd own, const FreeObstacles& free,
-                       double youngs_modulus_pa)
+                       double youngs_modulus_pa, const FreeInertia* inertia)
     : border_(std::move(border)), solved_(std::move(solved)) {
   // Turns count by the way of the surface, so that all is N/m.
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(own.cols());
@@ -84,6 +97,7 @@ FreeBorder::FreeBorder(Eigen::MatrixXd border, Eigen::MatrixXd solved, Eigen::Ma
   const Eigen::MatrixXd scaled = scale.asDiagonal() * (0.5 * (own + own.transpose())) * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   stable_ = eigen.eigenvalues()[0] > -nothing;
+  if (inertia) nothing = std::min(nothing, 0.5 * least_inertia_n_m(free, *inertia));
   const Eigen::VectorXd values = eigen.eigenvalues().unaryExpr(
       [&](double value) { return 1.0 / (value > nothing ? value : std::max(-value, little)); });
   inverse_ = scale.asDiagonal() * eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose() *

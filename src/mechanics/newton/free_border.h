@@ -34,9 +34,9 @@ class FreeBorder {
  public:
   FreeBorder() = default;  // of no obstacles, or of such that stay in place
 
-  // `solved`: A^-1 B.
+  // `solved`: A^-1 B. `inertia`: of a step, which `own` holds too; null at rest.
   FreeBorder(Eigen::MatrixXd border, Eigen::MatrixXd solved, Eigen::MatrixXd own, const FreeObstacles& free,
-             double youngs_modulus_pa);
+             double youngs_modulus_pa, const FreeInertia* inertia);
 
   bool empty() const { return solved_.size() == 0; }
   bool stable() const { return stable_; }  // but for directions along which nothing happens

@@ -103,7 +103,7 @@ void LinearSystem::border_free_obstacles(const NewtonState& state, bool convex) 
   columns(tables_.held, Eigen::all).setZero();
   Eigen::MatrixXd solved = solve(columns);
   free_border_ = FreeBorder(std::move(columns), std::move(solved), std::move(own), free,
-                            tables_.body.material().youngs_modulus_pa);
+                            tables_.body.material().youngs_modulus_pa, state.free_inertia.get());
 }
 
 // Of skin that is a constraint of the steps only what turns with it is in the matrix, and only where it is pressed

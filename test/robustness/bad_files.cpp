@@ -51,12 +51,28 @@ const Words kBefore = {"",
 const Words kEndings = {".msh",  ".MSH", ".msh2", ".vtk", ".stl", ".STL", ".obj",
                         ".step", ".stp", ".geo",  ".txt", "",     ".py"};
 
+// Every way by which a file of a shape comes in: a robot's mesh or part, an obstacle, and import_mesh.py.
+const Words kDoors = {"mesh", "stl", "step", "obstacle", "import"};
+
+BadScene by_door(const std::string& door, const std::string& file, const std::string& content,
+                 const std::string& what) {
+  BadScene bad{what + " as " + door + ": " + file, "", {{file, content}}, ""};
+  if (door == "import") {
+    bad.text = "mesh_file: " + file + "\nscale: 1.0\nimport: true\n";
+    bad.request = true;
+  } else if (door == "obstacle") {
+    bad.text = bar(kBox, "contact: {obstacles: [{name: a, mesh: " + file + ", position_m: [0, 0, 1]}]}\n");
+  } else {
+    bad.text = bar(door == "mesh" ? "mesh: " + file : "solid: {" + door + ": " + file + "}");
+  }
+  return bad;
+}
+
 void add_scripts(std::mt19937& random, std::vector<BadScene>& all) {
   for (const std::string& ending : kEndings)
-    for (const std::string key : {"mesh", "stl", "step"}) {
-      const std::string file = "part" + ending, script = one_of(kBefore, random) + one_of(kScripts, random);
-      const std::string shape = key == "mesh" ? "mesh: " + file : "solid: {" + key + ": " + file + "}";
-      all.push_back({"a script as " + key + ": " + file + ": " + script, bar(shape), {{file, script}}, ""});
+    for (const std::string& door : kDoors) {
+      const std::string script = one_of(kBefore, random) + one_of(kScripts, random);
+      all.push_back(by_door(door, "part" + ending, script, "a script, " + quote(script)));
     }
 }
 
@@ -141,11 +157,13 @@ void add_meshes(std::mt19937& random, std::vector<BadScene>& all) {
       {"version_51.vtk", kVtk51}, {"format_41.msh", kMsh41}, {"binary.stl", binary_stl()}};
   for (const auto& [file, text] : good) {
     const bool surface = file.find(".stl") != std::string::npos;
-    const std::string scene = bar(surface ? "solid: {stl: " + file + "}" : "mesh: " + file);
-    all.push_back({file + " as it should be", scene, {{file, text}}, "", true});
-    for (const auto& [damage, apply] : kDamages)
-      for (int i = 0; i < 8; ++i)
-        all.push_back({file + ": " + damage + ", " + std::to_string(i), scene, {{file, apply(text, random)}}, ""});
+    for (const std::string door : {surface ? "stl" : "mesh", surface ? "obstacle" : "import"}) {
+      all.push_back(by_door(door, file, text, "nothing wrong"));
+      all.back().sound = true;
+      for (const auto& [damage, apply] : kDamages)
+        for (int i = 0; i < 8; ++i)
+          all.push_back(by_door(door, file, apply(text, random), damage + ", " + std::to_string(i)));
+    }
   }
 }
 

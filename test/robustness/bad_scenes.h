@@ -14,6 +14,7 @@ struct BadScene {
   std::vector<std::pair<std::string, std::string>> files = {};  // beside it: names and contents
   std::string commands = "";  // of them, what `rollouts` takes with the scene; empty: `simulate` runs it
   bool sound = false;         // nothing is wrong with it: others are made of it
+  bool request = false;       // to `mesh_robot`, as launch/import_mesh.py makes it, and no scene
 };
 
 // Every scalar of each good scene replaced by each of a list of bad values, every key misspelt, repeated and left out,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// robustness_check SIMULATE FOLDER [PART [SEED]]: runs `simulate`, or `rollouts` beside it, on bad and extreme scenes
-// and files, of which PART takes every PART-th only, and counts how each ended. Another SEED makes and takes other
-// ones. Status 1 where one ended as none may; its scene stays in FOLDER.
+// robustness_check SIMULATE FOLDER [PART [SEED]]: runs `simulate`, or `rollouts` and `mesh_robot` beside it, on bad and
+// extreme scenes and files, of which PART takes every PART-th only, and counts how each ended. Another SEED makes and
+// takes other ones. Status 1 where one ended as none may; its scene stays in FOLDER.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -48,11 +48,13 @@ struct Ended {
 
 Ended run(const std::string& simulate, const BadScene& bad, const std::string& folder) {
   const std::string result = folder + "/result.json", errors = folder + "/errors.txt";
-  const std::string rollouts = std::filesystem::path(simulate).parent_path() / "rollouts";
-  std::vector<std::string> words = {bad.commands.empty() ? simulate : rollouts, folder + "/scene.yaml", "--result",
-                                    result};
-  if (!bad.commands.empty())
+  const std::filesystem::path programs = std::filesystem::path(simulate).parent_path();
+  std::vector<std::string> words = {simulate, folder + "/scene.yaml", "--result", result};
+  if (bad.request) words = {programs / "mesh_robot", folder + "/scene.yaml", result};
+  if (!bad.commands.empty()) {
+    words[0] = programs / "rollouts";
     for (const char* word : {"--commands", bad.commands.c_str(), "--duration", "0.1"}) words.emplace_back(word);
+  }
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -90,9 +92,10 @@ bool has_nonsense(const Json& json) {
   return false;
 }
 
-bool is_nonsense(const std::string& text, bool of_rollouts) {
+bool is_nonsense(const std::string& text, const BadScene& bad) {
+  if (bad.request) return text.rfind("$MeshFormat", 0) != 0 || text.find("nan") != std::string::npos;
   const Json result = Json::parse(text, nullptr, false);
-  if (of_rollouts) return result.is_discarded() || has_nonsense(result);
+  if (!bad.commands.empty()) return result.is_discarded() || has_nonsense(result);
   if (result.is_discarded() || !result.contains("solver")) return true;
   if (result["solver"].value("inverted", 0) > 0) return true;
   for (const char* part : {"markers", "cables", "chambers", "trajectory"})
@@ -112,7 +115,7 @@ std::string outcome_of(const Ended& ended, const BadScene& bad, const std::strin
   if (!WIFEXITED(ended.status)) return "crash";
   switch (WEXITSTATUS(ended.status)) {
     case 0:
-      return is_nonsense(contents(folder + "/result.json"), !bad.commands.empty()) ? "silent nonsense" : "valid";
+      return is_nonsense(contents(folder + "/result.json"), bad) ? "silent nonsense" : "valid";
     case 1:
       return errors.empty() ? "status 1 without reason" : "status 1 with reason";
     case 2:

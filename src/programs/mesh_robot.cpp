@@ -157,12 +157,17 @@ int report(int status, std::string message) {
   return status;
 }
 
-// The kernel of shapes says no more than that it failed.
 std::string in_our_words(const std::string& error) {
-  const bool of_kernel = error.find("OpenCASCADE") != std::string::npos || error.find("Standard_") != std::string::npos;
-  return of_kernel ? "the solid cannot be built: a part of it is below 1e-9 m, or parts meet in a line or a point (" +
-                         error + ")"
-                   : "Gmsh cannot mesh this: " + error;
+  const auto says = [&](const char* words) { return error.find(words) != std::string::npos; };
+  // The kernel of shapes says no more than that it failed.
+  if (says("OpenCASCADE") || says("Standard_"))
+    return "the solid cannot be built: a part of it is below 1e-9 m, or parts meet in a line or a point (" + error +
+           ")";
+  if (says("PLC Error") || says("overlapping facets"))
+    return "triangles of this size on its surface cross one another, as a wall or a gap of it is thinner than they are "
+           "long; give a smaller element_size_m, or `refinements` there (Gmsh: " +
+           error + ")";
+  return "Gmsh cannot mesh this: " + error;
 }
 
 }  // namespace

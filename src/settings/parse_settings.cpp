@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/yaml.h>
 
 #include "settings_data.h"
@@ -81,6 +82,8 @@ int tab_line(const std::string& text, int up_to) {
   const int line = error.mark.is_null() ? 1 : error.mark.line + 1;
   if (const int tab = tab_line(text, line); tab > 0)
     fail_at(source, tab, "", "not YAML: a tab indents this line, where YAML takes spaces alone");
+  if (dynamic_cast<const YAML::DeepRecursion*>(&error) != nullptr)
+    fail_at(source, line, "", "nested too deep: more than 500 lists and maps within one another");
   fail_at(source, line, "", "not YAML: " + error.msg);
 }
 

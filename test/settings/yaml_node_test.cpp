@@ -186,6 +186,11 @@ TEST(YamlNode, RefusesWhatIsNotOneYamlDocument) {
             "scene.yaml:3: x: key 'a' stands twice, first in line 2");
   EXPECT_EQ(error_of([] { parse("a: 1\nb: [1, 2\n"); }).rfind("scene.yaml:", 0), 0u);
   EXPECT_NE(error_of([] { parse("a: 1\nb: c: d\n"); }).find("scene.yaml:2: not YAML"), std::string::npos);
+  for (const std::string& open : {std::string("["), std::string("{a: ")}) {
+    std::string deep;
+    for (int i = 0; i < 600; ++i) deep += open;
+    EXPECT_NE(error_of([&] { parse(deep); }).find("scene.yaml:1: nested too deep"), std::string::npos);
+  }
   EXPECT_THROW(parse(""), SettingsError);
   EXPECT_THROW(parse("a: 1\n---\nb: 2\n"), SettingsError);
   EXPECT_THROW(parse("[1, 2]: 3"), SettingsError);

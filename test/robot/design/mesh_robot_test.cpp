@@ -774,6 +774,12 @@ TEST_F(MeshRobot, SaysWhatGmshCannotReadInOurWords) {
   const fs::path step = write("broken.step", "ISO-10303-21;\nHEADER;\n");
   EXPECT_EQ(first_line(refusal("{step: " + step.string() + "}")),
             step.string() + ": is no whole STEP file; write it anew by the program that made it");
+  const std::string thin =
+      first_line(refusal("{difference: [{cylinder: {radius_m: 0.02, start_m: [0, 0, 0], end_m: [0, 0, 0.1]}},"
+                         " {cylinder: {radius_m: 0.015, start_m: [0.00499, 0, 0.001], end_m: [0.00499, 0, 0.099]}}]}"));
+  EXPECT_NE(thin.find("a wall or a gap of it is thinner than they are long; give a smaller element_size_m"),
+            std::string::npos)
+      << thin;
 }
 
 TEST_F(MeshRobot, RefusesBinaryMshFilesThatCountWrongly) {

@@ -10,6 +10,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@
 #include <soft_robot_lab/UseSolver.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
+#include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <sys/resource.h>
 #include <visualization_msgs/InteractiveMarkerInit.h>
@@ -35,6 +37,7 @@
 #include "ros/base/machine_time.h"
 #include "ros/panel/panel_link.h"
 #include "ros/base/topics.h"
+#include "ros/recording/recorded_topics.h"
 #include "session_ears.h"
 #include "settings/quantile.h"
 
@@ -523,6 +526,30 @@ TEST_F(Panel, RecordsUntilRecordIsPressedAgain) {
   ASSERT_TRUE(spin_until([&] { return bags(".active") == 1; }, patience_s));
   ASSERT_TRUE(press_until("alt+d", [&] { return !recording; }));
   EXPECT_TRUE(spin_until([&] { return bags(".bag") == before + 1 && bags(".active") == 0; }, patience_s));
+}
+
+// Each is asked for before the recorder of the one before has begun, or as it closes its bag.
+TEST_F(Panel, RecordsNothingBrokenWhereItIsSwitchedOnAndOffAtOnce) {
+  namespace fs = std::filesystem;
+  const fs::path folder = ros::NodeHandle("session_watch").param<std::string>("bag_folder", "");
+  fs::create_directories(folder);
+  std::set<fs::path> before;
+  for (const auto& file : fs::directory_iterator(folder)) before.insert(file.path());
+  std_srvs::SetBool::Request on, off;
+  on.data = 1;
+  for (const double seconds : {0.0, 0.3, 0.6, 1.0}) {
+    const auto started = ask<std_srvs::SetBool>(node_, topics::session_record, on);
+    EXPECT_TRUE(started.success) << started.message;
+    ros::WallDuration(seconds).sleep();
+    const auto stopped = ask<std_srvs::SetBool>(node_, topics::session_record, off);
+    EXPECT_TRUE(stopped.success) << stopped.message;
+  }
+  EXPECT_FALSE(ask<std_srvs::SetBool>(node_, topics::session_record, off).success) << "nothing is recorded any more";
+  for (const auto& file : fs::directory_iterator(folder)) {
+    if (before.count(file.path()) > 0) continue;
+    EXPECT_EQ(file.path().extension(), ".bag");
+    EXPECT_NO_THROW(open_bag(file.path())) << file.path();
+  }
 }
 
 // As `nice` has it, of any of its threads, the most.

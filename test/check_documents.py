@@ -54,7 +54,7 @@ SECTIONS = {
     'Experiments': {'config': ['experiments'], 'loose': ['study', 'control/configuration_table.cpp', 'programs/bullet_peer.cpp']},
 }
 # These read what no user writes: requests of our own programs, tables, what another program measured.
-NO_FILE_OF_A_USER = {'hardware/emulator/control.cpp', 'programs/mesh_robot.cpp', 'ros/overlay.cpp', 'settings'}
+NO_FILE_OF_A_USER = {'hardware/emulator/control.cpp', 'programs/mesh_robot.cpp', 'ros/display/overlay.cpp', 'settings'}
 # Words in strict sources that are neither keys nor choices: units, parts of messages, settings of a camera's driver.
 NO_KEYS = {'m', 'ml', 'N', 'Pa', 'node', 'exposure', 'gain', 'before', 'now', 'none', 'choice', 'gravity', 'nodes'}
 # Columns of tables in config/reference, which are read in the same way.

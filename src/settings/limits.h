@@ -68,7 +68,7 @@ inline constexpr long kTree_nodes = 500000;                    // values in a se
 inline constexpr int kTree_depth = 100;                        // maps and lists within each other
 
 // Of the mesher.
-inline constexpr double kMemory_gb = 6.0;  // memory of a body's factor, and of the mesher
+inline constexpr double kMemory_gb = 6.0;  // memory of a body's factor, and of the mesher [GB]
 inline constexpr double kElements = 2e6;   // elements that are meshed
 
 }  // namespace soft_robot_lab::limits

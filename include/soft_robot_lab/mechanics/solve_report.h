@@ -12,8 +12,8 @@ namespace soft_robot_lab {
 
 // Something that is wrong with a state, with place and size. Kinds and their size:
 //   inverted_elements    smallest det F                    residual_not_met     residual
-//   command_not_reached  what is missing, in `unit`        slack                length in excess of the cable's path, <
-//   0 excessive_tension    the tension                       untangled             elements laid out anew
+//   command_not_reached  what is missing, in `unit`        excessive_tension    the tension
+//   untangled            elements laid out anew            slack                the path less the cable, < 0
 //   outside_training     0: a reduced model did not know a command, or found no way
 //   fast_obstacle        way in a time step that is cut as often as may be: it may have passed through something
 //   free_motion          0: nothing resists a rigid motion of the body, which `text` names
@@ -66,9 +66,10 @@ bool may_follow(SolveStage before, SolveStage after);
 // Adds to the end; a stage that is there already is counted on.
 void enter(SolveStage stage, int count, std::vector<SolvePathStage>& path);
 
-// What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
-// xpbd, which does a fixed amount of work, counts as converged where it created no energy, ends without inverted
-// elements, and leaves a residual of at most 1: no more than the largest force in the body. That says how exact it was.
+// What a solve did. A solve that did not converge says so; an equilibrium then gives back the state that it began with,
+// to the last bit, a time step the best that it had. A time step of xpbd, which does a fixed amount of work, counts as
+// converged where it created no energy, ends without inverted elements, and leaves a residual of at most 1: no more
+// than the largest force in the body. That says how exact it was.
 struct SolveReport {
   bool converged = false;
   bool interrupted = false;  // and the state is the one from before

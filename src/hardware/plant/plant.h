@@ -20,7 +20,7 @@ struct CameraShift {
   Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();  // axis times angle
 };
 
-// robot:                # a scene (README, "Scene files"): the model with what is otherwise
+// robot:                # a scene (config/README.md, "Scene"): the model with what is otherwise
 //   include: ../robots/spinebot/robot.yaml
 //   body: {material: {stiffness_ratio: 1.15}}
 //   cables: {left: {model: friction, friction_coefficient: 0.1}}

@@ -29,7 +29,7 @@
 
 namespace soft_robot_lab {
 
-// minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the pull
+// minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the strain target
 struct NewtonTask {
   double inertia_per_s2 = 0.0;                        // 1/h^2; zero asks for the equilibrium
   const Eigen::Matrix3Xd* predicted_m = nullptr;      // needed where there is inertia
@@ -59,7 +59,7 @@ struct NewtonReport {
 
 // How something moves an equilibrium, one column each: what it adds to the residual force (released, 3*node + axis; may
 // be empty), to the offsets less compliance * y of active constraints, to prescribed multipliers, and to the logarithms
-// of the friction_contacts' ratios (may be empty); all at fixed unknowns.
+// of the ratios at cables' points with friction (may be empty); all at fixed unknowns.
 struct NewtonDrive {
   Eigen::MatrixXd forces_n, offsets, multipliers, log_ratios;
   Eigen::MatrixXd free_forces = {};  // on free obstacles, six rows each; may be empty
@@ -115,7 +115,7 @@ class NewtonSolver {
   // Down the energy itself, which is finite and bounded below wherever the nodes are: for a start that is of no use to
   // solve(), such as a tangled body. The positions are the only unknowns, every step lowers the energy, and bulk and
   // rigid constraints are softened meanwhile; so the end is no solution, but a start from which solve() finds one.
-  // Not for bodies with friction_contacts: friction has no energy.
+  // Not for bodies whose cables have friction: friction has no energy.
   NewtonReport descend(const NewtonTask& task, NewtonState& state);
 
   // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint, then one per driven energy

@@ -40,7 +40,7 @@ ObstacleShape read_shape(const YamlNode& item, const MesherOptions& mesher) {
   if (stated[0] == "sphere") return Sphere{node.vector3("center_m"), node.number("radius_m")};
   if (stated[0] == "capsule") return Capsule{node.vector3("start_m"), node.vector3("end_m"), node.number("radius_m")};
   if (stated[0] == "cylinder") return read_cylinder(node);
-  return read_rounded_box(node);
+  return read_rounded_box(node);  // stated as `box`
 }
 
 // All that touches, by name.

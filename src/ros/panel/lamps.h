@@ -14,7 +14,7 @@ namespace soft_robot_lab {
 
 struct Lamp {
   enum class Level { unknown, ok, warn, error };
-  std::string name;  // Simulation, Speed, Link, Gap, det F, Contact, Session
+  std::string name;  // Simulation, Speed, Reduced, Link, Gap, det F, Contact, Session
   Level level = Level::unknown;
   std::string value;   // short: "1.00 x"; empty where all is well
   std::string reason;  // in full, for the tooltip and the log line

@@ -34,7 +34,8 @@ struct FidelityChoice {
   bool self_contact = false;  // switched on: without it the markers would be off by more than the tolerance
 };
 
-// What an optional part of a scene changes at the judged states: contact, friction, hysteresis, viscosity.
+// What an optional part of a scene changes at the judged states: contact with obstacles or skin,
+// friction of contact or cables, hysteresis, damping.
 struct PartEffect {
   std::string part;
   double moved_m = 0.0;  // of the marker that it moves most

@@ -41,11 +41,11 @@ using RunProgress = std::function<bool(double fraction)>;
 
 // Equilibrium: solves for each of the timed commands in their order, from the state before, and stops at the first that
 // does not converge. Dynamic: steps until the duration has passed, giving commands when their time comes. Modal:
-// vibrations about the rest shape (sim/modal.h). The simulation keeps the last state. A run that was ended early has
+// vibrations about the rest shape (mechanics/simulation/modal.h). The simulation keeps the last state. A run that was ended early has
 // not converged, and says so.
 RunReport run_scene(Scene& scene, const RunProgress& progress = {});
 
-// result.json (README, "Scene files"). Numbers that are not finite would be written as null, never as NaN.
+// result.json (config/README.md, "Scene"). Numbers that are not finite would be written as null, never as NaN.
 std::string result_json(const Scene& scene, const RunReport& report);
 
 // The same for a reader's eye, in a few lines.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scene and robot files (README, "Scene files"): strict reading, and building a simulation from them.
+// Scene and robot files (config/README.md, "Scene"): strict reading, and building a simulation from them.
 // A robot file is a scene without a run. `include: other.yaml` names settings that the rest of the file overrides: maps
 // merge key by key, lists replace, and `cables: {left: {...}}` changes keys of the cable of that name.
 #pragma once

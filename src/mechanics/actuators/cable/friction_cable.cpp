@@ -2,8 +2,8 @@
 // A cable with Coulomb friction on its points (Euler 1769, Eytelwein 1808): where it turns by an angle, the tensions of
 // the two spans differ by no more than a factor of exp(coefficient * angle), and by just that where it slips. Each span
 // keeps its own stretch of the cable, which is all that pulling and releasing remember; in a step stretches pass from
-// span to span by the friction_contacts' slips, which the solver finds exactly, without regularisation: stick, slip and
-// slack are one linear complementarity problem (sim/multiplier_problem.h).
+// span to span by the slips at its points, which the solver finds exactly, without regularisation: stick, slip and
+// slack are one linear complementarity problem (mechanics/complementarity/multiplier_problem.h).
 #include <cmath>
 
 #include <Eigen/Geometry>

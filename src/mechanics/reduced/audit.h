@@ -12,9 +12,9 @@ namespace soft_robot_lab {
 class NewtonSolver;
 
 // How far a reduced state is from where the full model would be, judged by full Newton iterations from there, one where
-// that leaves hardly any residual, and no more than six, or fifteen where skin may touch: as they converge quadratically (Deuflhard 2004, 2.1), they
-// lead all of the way where it is short. An estimate and no bound: a saddle passes as well as a minimum.
-// What is done where it is too large: robot/scene/scene_motion.h.
+// that leaves hardly any residual, and no more than six, or fifteen where skin may touch: as they converge
+// quadratically (Deuflhard 2004, 2.1), they lead all of the way where it is short. An estimate and no bound: a saddle
+// passes as well as a minimum. What is done where it is too large: robot/scene/scene_motion.h.
 struct AuditResult {
   bool found = false;       // a solution near; otherwise the estimate means nothing
   double estimate_m = 0.0;  // rms over the markers of their way there

@@ -41,8 +41,8 @@ using RunProgress = std::function<bool(double fraction)>;
 
 // Equilibrium: solves for each of the timed commands in their order, from the state before, and stops at the first that
 // does not converge. Dynamic: steps until the duration has passed, giving commands when their time comes. Modal:
-// vibrations about the rest shape (mechanics/simulation/modal.h). The simulation keeps the last state. A run that was ended early has
-// not converged, and says so.
+// vibrations about the rest shape (mechanics/simulation/modal.h). The simulation keeps the last state. A run that was
+// ended early has not converged, and says so.
 RunReport run_scene(Scene& scene, const RunProgress& progress = {});
 
 // result.json (config/README.md, "Scene"). Numbers that are not finite would be written as null, never as NaN.

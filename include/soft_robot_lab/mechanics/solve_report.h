@@ -66,10 +66,9 @@ bool may_follow(SolveStage before, SolveStage after);
 // Adds to the end; a stage that is there already is counted on.
 void enter(SolveStage stage, int count, std::vector<SolvePathStage>& path);
 
-// What a solve did. A solve that did not converge says so; an equilibrium then gives back the state that it began with,
-// to the last bit, a time step the best that it had. A time step of xpbd, which does a fixed amount of work, counts as
-// converged where it created no energy, ends without inverted elements, and leaves a residual of at most 1: no more
-// than the largest force in the body. That says how exact it was.
+// What a solve did. One that did not converge says so; an equilibrium then gives back its start, a time step the best
+// it had. A time step of xpbd, which does a fixed amount of work, counts as converged where it created no energy, ends
+// without inverted elements, and leaves a residual of at most 1: no more than the largest force in the body.
 struct SolveReport {
   bool converged = false;
   bool interrupted = false;  // and the state is the one from before

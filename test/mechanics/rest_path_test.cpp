@@ -126,6 +126,20 @@ TEST(RestPath, AnObstacleThatIsTooSmallForItsContactPointsIsNamed) {
   }
 }
 
+// A bar sinks onto a needle's tip: between contact points the tip went in, and no face met it any more.
+TEST(RestPath, AnObstacleThatTheBodySwallowedIsNamed) {
+  for (const double radius_m : {0.001, 0.006}) {
+    Body body(box_mesh({0, -0.006, -0.006}, {0.06, 0.006, 0.006}, {10, 2, 2}), kSilicone);
+    body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+    body.set_gravity({0, 0, -3 * 9.81});
+    body.set_obstacles({{"tip", Sphere{{0.0437, 0.001, -0.0081 - radius_m}, radius_m}, {}, 0.0}});
+    Simulation simulation = with_marker(std::move(body), {0.06, 0, 0});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    EXPECT_EQ(warns_of(report, "coarse_contact"), radius_m < 0.005) << radius_m << " " << simulation.marker_position(0);
+  }
+}
+
 // A ball pressed into a short bar, which slips off to a side: in one stage that was the other side than in small ones.
 TEST(RestPath, AnObstacleThatMovesFarLeadsWhereItLeadsInPieces) {
   const auto bar_beside_ball = [](double share) {

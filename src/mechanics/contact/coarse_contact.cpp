@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <variant>
+
+#include <Eigen/Geometry>
 
 #include "mechanics/body/gap.h"
 #include "mechanics/mesh/shape_functions.h"
@@ -62,6 +65,40 @@ SolveWarning warning_of(const Obstacle& obstacle, const Deepest& deepest) {
                std::min(size_m(obstacle.shape), kFiner * deepest.face_size_m));
 }
 
+// How often the body's faces surround a place: 1 in the silicone, 0 outside of it, as by their solid angles (van
+// Oosterom and Strackee 1983). Curved faces count by their corners.
+double winding(const Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3d& at_m) {
+  double half_angles = 0.0;
+  for (Eigen::Index face = 0; face < faces.cols(); ++face) {
+    const Eigen::Vector3d a = positions_m.col(faces(0, face)) - at_m, b = positions_m.col(faces(1, face)) - at_m,
+                          c = positions_m.col(faces(2, face)) - at_m;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    half_angles += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return half_angles / (2.0 * M_PI);
+}
+
+// Of an obstacle that no face meets: how deep its middle is in the silicone; 0: it is not, or the obstacle has a hole
+// there.
+double swallowed_m(const Obstacle& obstacle, const Eigen::Isometry3d& pose, const Eigen::Vector3d& middle_m,
+                   const Body& body, const Eigen::Matrix3Xd& positions_m) {
+  if (gap_to(obstacle.shape, pose, middle_m).gap_m >= 0.0) return 0.0;
+  if (std::abs(winding(body.mesh().faces, positions_m, middle_m)) < 0.5) return 0.0;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (Eigen::Index face = 0; face < body.mesh().faces.cols(); ++face)
+    for (int corner = 0; corner < 3; ++corner)
+      nearest_m = std::min(nearest_m, (positions_m.col(body.mesh().faces(corner, face)) - middle_m).norm());
+  return nearest_m;
+}
+
+SolveWarning warning_of_swallowed(const Obstacle& obstacle, double depth_m, const Eigen::Vector3d& middle_m) {
+  std::ostringstream why;
+  why << "is in the silicone, at " << point_text(middle_m)
+      << ", as it is too small for the contact points, or the body "
+      << "went too far at once";
+  return about(obstacle, depth_m, "m", why.str(), size_m(obstacle.shape));
+}
+
 // Pressed skin of an obstacle.
 struct Patch {
   double area_m2 = 0.0, face_m2 = 0.0;  // of the largest face in it
@@ -104,6 +141,7 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
   const ContactPoints& points = contact.points();
   if (points.count() == 0) return warnings;
   warn_of_rolling(body, contact, positions_m, state, warnings);
+  const Eigen::AlignedBox3d around(positions_m.rowwise().minCoeff(), positions_m.rowwise().maxCoeff());
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];
     if (std::holds_alternative<Plane>(obstacle.shape)) continue;
@@ -116,7 +154,14 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
       if (gap_to(obstacle.shape, pose, middle_m).gap_m > reach_m) continue;
       look_between_points(obstacle.shape, pose, face_m, points.face_size_m(points.first_point(face)), deepest);
     }
-    if (deepest.depth_m > kSeenDepth * size_m(obstacle.shape)) warnings.push_back(warning_of(obstacle, deepest));
+    if (deepest.depth_m > kSeenDepth * size_m(obstacle.shape)) {
+      warnings.push_back(warning_of(obstacle, deepest));
+      continue;
+    }
+    const Eigen::Vector3d middle_m = pose * center_m(obstacle.shape);
+    if (!around.contains(middle_m)) continue;
+    const double depth_m = swallowed_m(obstacle, pose, middle_m, body, positions_m);
+    if (depth_m > 0.0) warnings.push_back(warning_of_swallowed(obstacle, depth_m, middle_m));
   }
   return warnings;
 }

@@ -14,8 +14,9 @@ namespace soft_robot_lab {
 
 // A warning `coarse_contact` for each obstacle that has gone into a face, between that face's contact points, by more
 // than a twentieth of its half least extent. Its size is the depth [m].
-// And for each on which round skin of a body that nothing holds rubs over less than a face. Its size is that face's
-// area over it [1].
+// For each that is wholly in the silicone, so that no face meets it: its size is the distance to the skin's nearest
+// node. And for each on which round skin of a body that nothing holds rubs over less than a face. Its size is that
+// face's area over it [1].
 std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& contact,
                                           const Eigen::Matrix3Xd& positions_m, const ContactState& state);
 

@@ -115,6 +115,7 @@ Json choice(const BankScene& scene, double tolerance_m, const Eigen::Matrix3Xd& 
   row["tolerance_m"] = tolerance_m;
   row["met"] = report.met;
   row["nodes"] = report.nodes;
+  if (report.near_buckling) row["near_buckling"] = true;
   row["expected_m"] = report.expected_error_m.value_or(-1.0);
   const Solved result = solved(std::move(chosen));
   row["error_m"] = result.converged ? error_m(result, truth_m) : -1.0;

@@ -14,7 +14,7 @@ namespace soft_robot_lab {
 namespace {
 
 // Part of every key of the cache: raise it when another choice or estimate would be made of the same scene.
-constexpr const char* kFidelityVersion = "soft_robot_lab fidelity 11";
+constexpr const char* kFidelityVersion = "soft_robot_lab fidelity 13";
 constexpr double kShareOfTime = 0.5;     // of the tolerance, in a dynamic run
 constexpr double kSpeedMargin = 1.5;     // for what counted costs leave out
 constexpr double kWorthTraining = 2.0;   // what newton takes for a run, over training
@@ -25,6 +25,16 @@ constexpr int kMostUnknown = 2;          // rungs without an estimate, after one
 
 // Whatever solver a scene names: all of them find the same rest states and motions, this one soonest.
 Overrides newton() { return Overrides().set({"solver", "method"}, "newton"); }
+
+// Near buckling no error is stated: the markers may be on another side.
+void note_buckling(const std::optional<NearBuckling>& judging, const JudgedRests& rests, FidelityReport& report) {
+  report.near_buckling = snap_of(rests, report.nodes);
+  if (judging && (!report.near_buckling || worse(*judging, *report.near_buckling))) report.near_buckling = judging;
+  if (!report.near_buckling) return;
+  report.trouble = text_of(*report.near_buckling);
+  report.expected_error_m.reset();
+  report.met = false;
+}
 
 // Looks at one rung after the other, and keeps the one to take.
 class FidelityChooser {
@@ -39,9 +49,16 @@ class FidelityChooser {
 
   FidelityReport choose();
   const std::optional<Rung>& taken() const { return taken_; }
+  // By which to say what parts change: a coarse mesh may not see them.
+  const Rung& seeing() const {
+    const std::optional<Rung>& judging = ladder_.judging();
+    return judging && judging->mesh.node_count() > taken_->mesh.node_count() ? *judging : *taken_;
+  }
 
  private:
   bool look_at(Rung rung);  // true: no further one will be better
+  // No mesh says to which side the body goes: a finer one than that which judges would not either.
+  bool hopeless() const { return ladder_.near_buckling() && ladder_.judging_nodes() <= looked_at_nodes_; }
   void judge_in_time(const Rung& first);
   double error_m(const Rung& rung) const { return *rung.error.expected_m * time_.amplification + time_.error_m; }
   double per_second_s(const Rung& rung) const {
@@ -63,7 +80,7 @@ class FidelityChooser {
   FidelityReport report_;
   TimeError time_;
   bool judged_in_time_ = false, took_slow_ = false;
-  int unknown_ = 0;
+  int unknown_ = 0, looked_at_nodes_ = 0;
   std::string not_reduced_, ranges_;
   std::optional<Rung> taken_;
 };
@@ -139,6 +156,7 @@ void FidelityChooser::take(Rung rung) {
 }
 
 bool FidelityChooser::look_at(Rung rung) {
+  looked_at_nodes_ = rung.mesh.node_count();
   if (!rung.error.expected_m) {
     report_.meshes.push_back({rung.mesh.node_count(), std::nullopt});
     if (!taken_) take(std::move(rung));
@@ -182,8 +200,9 @@ FidelityReport FidelityChooser::choose() {
     const double enough_m =
         judged_in_time_ ? (request_.tolerance_m - time_.error_m) / time_.amplification : request_.tolerance_m;
     std::optional<Rung> rung = ladder_.next(enough_m);
-    if (!rung || look_at(std::move(*rung))) break;
+    if (!rung || look_at(std::move(*rung)) || hopeless()) break;
   }
+  if (taken_) note_buckling(ladder_.near_buckling(), taken_->rests, report_);
   explain();
   if (report_.cost.per_second_s > 0.0) report_.expected_real_time = 1.0 / report_.cost.per_second_s;
   return report_;
@@ -203,7 +222,10 @@ FidelityReport judge(Judgement& judgement, std::optional<Rung>& rung) {
   report.nodes = rung->mesh.node_count();
   report.cost.rest_state_s = rung->rests.cost_s;
   report.trouble = rung->error.trouble;
-  if (!rung->error.expected_m) return report;
+  if (!rung->error.expected_m) {
+    note_buckling(meshes.near_buckling(), rung->rests, report);
+    return report;
+  }
   TimeError time;
   if (moves(judgement.use)) {
     if (judgement.options.progress) judgement.options.progress(0.5, "fidelity: judges time steps");
@@ -212,10 +234,12 @@ FidelityReport judge(Judgement& judgement, std::optional<Rung>& rung) {
     if (report.cost.per_second_s > 0.0) report.expected_real_time = 1.0 / report.cost.per_second_s;
   }
   report.trouble = time.trouble;
-  if (!report.trouble.empty()) return report;
-  report.mesh_error_m = *rung->error.expected_m * time.amplification;
-  report.time_error_m = time.error_m;
-  report.expected_error_m = report.mesh_error_m + report.time_error_m;
+  if (report.trouble.empty()) {
+    report.mesh_error_m = *rung->error.expected_m * time.amplification;
+    report.time_error_m = time.error_m;
+    report.expected_error_m = report.mesh_error_m + report.time_error_m;
+  }
+  note_buckling(meshes.near_buckling(), rung->rests, report);
   return report;
 }
 
@@ -241,12 +265,15 @@ void weigh_contact(const Rung& rung, Judgement& judgement, FidelityReport& repor
   if (report.tolerance_m > 0.0) report.met = report.met && effect->moved_m <= report.tolerance_m;
 }
 
-void weigh_parts(const Rung& rung, Judgement& judgement, FidelityReport& report) {
+// `seeing`: a mesh that is fine enough to see them.
+void weigh_parts(const Rung& rung, const Rung& seeing, Judgement& judgement, FidelityReport& report) {
   if (rung.rests.states.empty()) return;
   weigh_contact(rung, judgement, report);
-  report.parts = part_effects(*rung.scene, rung.mesh, rung.rests, judgement);
-  for (PartEffect& effect : report.parts)
+  report.parts = part_effects(*seeing.scene, seeing.mesh, seeing.rests, judgement);
+  for (PartEffect& effect : report.parts) {
+    if (effect.trouble.empty()) effect.trouble = seeing.rests.unseen;
     effect.may_go = effect.trouble.empty() && effect.moved_m < kMayGo * report.tolerance_m;
+  }
 }
 
 std::string content_key(const YamlNode& settings, const std::string& mesh_file, bool may_reduce) {
@@ -280,11 +307,11 @@ FidelityReport choose_or_judge(const YamlNode& settings, const std::optional<Fid
   if (request) {
     FidelityChooser chooser(settings, *request, judgement);
     report = chooser.choose();
-    rung = chooser.taken();
+    if (chooser.taken()) weigh_parts(*chooser.taken(), chooser.seeing(), judgement, report);
   } else {
     report = judge(judgement, rung);
+    weigh_parts(*rung, *rung, judgement, report);
   }
-  if (rung) weigh_parts(*rung, judgement, report);
   report.cost.choosing_s = judgement.cost_s;
   return report;
 }

@@ -98,11 +98,25 @@ struct JudgedRests {
   std::vector<SimulationState> states;
   std::vector<Eigen::Matrix3Xd> markers_m, probes_m;  // of each state
   std::vector<bool> skin_overlaps;                    // in each state, where the scene lists no such contact
+  std::vector<double> snapped_m;                      // on the way to each, as the solver warns
   SolveCost solve;                                    // on this mesh
   double cost_s = 0.0;                                // counted, of one of them in the mean
   std::string trouble;  // which was not found; all but those of `search` and `live` are needed
+  std::string unseen;   // at one of them: an obstacle that the contact points of this mesh do not see
 };
 JudgedRests judged_rests(Scene& scene, const std::vector<Eigen::Vector3d>& probes, Judgement& judgement);
+
+// An obstacle in the silicone, between contact points; else empty.
+std::string unseen_obstacle(const std::vector<SolveWarning>& warnings);
+
+std::string text_of(const NearBuckling& sign);
+// Signs of buckling; none where there is none. `which`: places in `rests`, which was judged on this simulation's mesh;
+// its state and commands change.
+bool worse(const NearBuckling& a, const NearBuckling& b);
+double snapped_m(const std::vector<SolveWarning>& warnings);
+std::optional<NearBuckling> snap_of(const JudgedRests& rests, int nodes);
+std::optional<NearBuckling> held_little(const JudgedRests& rests, const std::vector<std::size_t>& which,
+                                        Simulation& simulation, Judgement& judgement);
 
 struct MeshError {
   std::optional<double> expected_m;
@@ -123,6 +137,8 @@ class MeshJudge {
   // Whether a far finer mesh seems to be worse than the one that judges: then that one says little.
   bool contradicted(const YamlNode& settings, const TetMesh& mesh);
   const JudgedRests& rests() const { return rests_; }  // on the last mesh
+  // The worst sign of it on the meshes that judge, and on those that were cut for them.
+  const std::optional<NearBuckling>& near_buckling() const { return near_buckling_; }
 
  private:
   // What the finest mesh until now says of the rest states.
@@ -130,17 +146,26 @@ class MeshJudge {
     int nodes = 0;  // of the mesh that was subdivided for it
     std::vector<int> numbers;
     std::vector<Eigen::Matrix3Xd> markers_m, probes_m;
-    std::vector<double> unsure_m;
-    double error_m = 0.0;  // of that mesh
+    std::vector<double> unsure_m, way_m;  // the second: from the rest shape
+    double error_m = 0.0;                 // of that mesh
+  };
+  struct Known {
+    Eigen::Matrix3Xd nodes_m;
+    JudgedRests rests;
   };
   MeshError settle(const YamlNode& settings, const TetMesh& mesh);
   std::optional<double> error_by_reference() const;
+  void note(const std::optional<NearBuckling>& sign);
+  std::optional<NearBuckling> other_side(int nodes) const;
   std::optional<Reference> subdivided(const YamlNode& settings, const TetMesh& mesh, std::string& trouble);
 
   Judgement& judgement_;
   std::vector<Eigen::Vector3d> probes_;
   std::optional<Reference> reference_;
   JudgedRests rests_;
+  std::optional<Scene> scene_;  // on the last mesh
+  std::vector<Known> known_;    // a mesh that is looked at twice is solved once
+  std::optional<NearBuckling> near_buckling_;
 };
 
 struct TimeError {

@@ -98,17 +98,41 @@ void FidelityLadder::begin() {
   begun_ = true;
   if (given_) return;
   try {
-    for (const Rung* rung = rung_of(kLeastReference); rung && judge_by(*rung);) {
+    for (const Rung* rung = rung_of(kLeastReference); rung;) {
+      const bool judges = judge_by(*rung);
+      shown_nodes_ = rung->mesh.node_count();
+      if (judge_.near_buckling() || (!judges && judge_.rests().unseen.empty())) break;
       rung = rung_of(kFarFiner * rung->mesh.node_count());
-      if (!rung || !judge_.contradicted(*rung->scene, rung->mesh)) break;
+      if (!judges || !rung) continue;
+      shown_nodes_ = rung->mesh.node_count();
+      if (!judge_.contradicted(*rung->scene, rung->mesh)) break;
     }
   } catch (const std::invalid_argument&) {
     complaint_ = std::current_exception();
   }
 }
 
+// No mesh says to which side the body goes: that which shows it is as good as any.
+std::optional<Rung> FidelityLadder::at_buckling() {
+  std::optional<Rung> rung;
+  for (Rung& looked_at : waiting_)
+    if (looked_at.mesh.node_count() == shown_nodes_) rung = std::move(looked_at);
+  if (!rung) return std::nullopt;
+  waiting_.clear();
+  done_ = true;
+  ++count_;
+  rung->rests = judge_.rests();
+  rung->error.trouble = text_of(*judge_.near_buckling());
+  read_for_others(*rung->scene);
+  rung->scene->require_all_read();
+  return rung;
+}
+
 std::optional<Rung> FidelityLadder::next(double enough_m) {
-  if (!begun_) begin();
+  if (!begun_) {
+    begin();
+    if (judge_.near_buckling()) return at_buckling();
+  }
   while (true) {
     std::optional<Rung> rung;
     if (waiting_.empty()) {

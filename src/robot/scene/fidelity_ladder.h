@@ -29,7 +29,9 @@ class FidelityLadder {
   std::optional<Rung> next(double enough_m);
   // The finer rung by which the first ones are judged; none where the first is fine enough.
   const std::optional<Rung>& judging() const { return judging_; }
+  int judging_nodes() const { return judging_ ? judging_->mesh.node_count() : 0; }
   int count() const { return count_; }  // of rungs that were judged
+  const std::optional<NearBuckling>& near_buckling() const { return judge_.near_buckling(); }
 
  private:
   std::optional<Rung> meshed();
@@ -38,13 +40,14 @@ class FidelityLadder {
   void begin();
   bool judged(double enough_m, Rung& rung);
   std::optional<Rung> beyond_limit(Rung rung) const;
+  std::optional<Rung> at_buckling();
 
   const FidelityRequest& request_;
   Judgement& judgement_;
   MeshJudge judge_;
   const bool given_;  // the mesh: it is the only rung
   double size_m_ = 0.0;
-  int last_nodes_ = 0, count_ = 0;
+  int last_nodes_ = 0, count_ = 0, shown_nodes_ = 0;
   bool begun_ = false, done_ = false;
   std::deque<Rung> waiting_;  // meshed, not judged
   std::optional<Rung> judging_;

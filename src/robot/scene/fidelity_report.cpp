@@ -101,6 +101,7 @@ std::string method_text(const FidelityReport& report) {
 
 std::string why_text(const FidelityReport& report) {
   if (!report.choice) return "as the scene states";
+  if (report.near_buckling) return "no mesh says to which side the body goes";
   const bool within = report.expected_error_m && *report.expected_error_m <= report.tolerance_m;
   const bool fast = report.real_time == 0.0 || report.expected_real_time >= report.real_time;
   if (within && fast) return "the coarsest that is within " + millimetres(report.tolerance_m);
@@ -166,6 +167,21 @@ std::vector<PartEffect> parts_from_json(const nlohmann::ordered_json& list) {
 
 }  // namespace
 
+std::string text_of(const NearBuckling& sign) {
+  std::ostringstream text;
+  text << "near buckling: the side to which the body goes is not known, as at rest state " << sign.rest_state << ", on "
+       << sign.nodes << " nodes, ";
+  if (sign.apart_m > 0.0)
+    text << "markers rest " << millimetres(sign.apart_m) << " from where another mesh has them";
+  else if (sign.snapped_m > 0.0)
+    text << "the way became unstable and a node moved by " << millimetres(sign.snapped_m);
+  else
+    text << "little holds the markers: " << rounded(sign.stiffness) << " of their stiffness in the rest shape";
+  text << "; run it in time, or with commands and loads a fifth lower, and say with a small load aside which side is "
+          "meant";
+  return text.str();
+}
+
 const char* name_of(Integrator integrator) {
   if (integrator == Integrator::bdf2) return "bdf2";
   return integrator == Integrator::tr_bdf2 ? "tr_bdf2" : "implicit_euler";
@@ -217,6 +233,7 @@ std::string sentence(const FidelityReport& report) {
   std::string text = method_text(report) + ": " + why_text(report) + "; expected error of the markers " +
                      (report.expected_error_m ? millimetres(*report.expected_error_m) : "unknown") + "; " +
                      cost_text(report);
+  if (report.near_buckling) text += "; " + text_of(*report.near_buckling);
   if (report.left_out_contact_m > 0.0)
     text += "; left out: contact of skin with skin, " + millimetres(report.left_out_contact_m);
   const std::string needless = listed(report.parts, true);
@@ -261,6 +278,12 @@ nlohmann::ordered_json fidelity_json(const FidelityReport& report) {
     json["expected_real_time"] = report.expected_real_time;
   }
   if (report.real_time > 0.0) json["real_time"] = report.real_time;
+  if (const auto& sign = report.near_buckling) {
+    json["near_buckling"] = {{"rest_state", sign->rest_state}, {"nodes", sign->nodes}};
+    if (sign->apart_m > 0.0) json["near_buckling"]["apart_m"] = sign->apart_m;
+    if (sign->snapped_m > 0.0) json["near_buckling"]["snapped_m"] = sign->snapped_m;
+    if (sign->stiffness < 1.0) json["near_buckling"]["stiffness"] = sign->stiffness;
+  }
   if (!report.meshes.empty()) json["meshes"] = meshes_json(report.meshes);
   json["parts"] = parts_json(report.parts);
   json["left_out"] = report.left_out;
@@ -308,6 +331,11 @@ FidelityReport fidelity_from_json(const nlohmann::ordered_json& json) {
                  json.at("judging_cpu_s").get<double>()};
   report.expected_real_time = json.value("expected_real_time", 0.0);
   report.real_time = json.value("real_time", 0.0);
+  if (json.contains("near_buckling")) {
+    const auto& sign = json.at("near_buckling");
+    report.near_buckling = {sign.at("rest_state").get<int>(), sign.at("nodes").get<int>(), sign.value("snapped_m", 0.0),
+                            sign.value("apart_m", 0.0), sign.value("stiffness", 1.0)};
+  }
   if (json.contains("meshes")) report.meshes = meshes_from_json(json.at("meshes"));
   report.parts = parts_from_json(json.at("parts"));
   json.at("left_out").get_to(report.left_out);

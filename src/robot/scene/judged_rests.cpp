@@ -13,6 +13,7 @@ constexpr double kUsualShare = 0.2;     // of pull, or of more gas, in a robot t
 constexpr int kSearchedStates = 3;      // within the ranges, beside those of a run
 constexpr double kSearchedShare = 0.5;  // of the way from rest to the end of each range
 constexpr std::size_t kProbes = 40;
+constexpr double kSamePlace = 1e-3;  // of the body's size
 
 // Those of a run, in its order, which is the way that it takes.
 std::vector<std::vector<double>> commands_of(const RunSettings& run, std::vector<double> now,
@@ -70,7 +71,30 @@ void add_state(const Simulation& simulation, int number, const std::vector<Marke
   all.probes_m.push_back(positions_of(probes, state.positions_m));
 }
 
+// By how much a node moved where the way to the present state, which is the latest of `all`, became unstable. 0 where
+// the way from the rest shape leads there too and stays stable: what lies between two states says nothing of either.
+double snap_on_the_way(const SolveReport& report, const JudgedRests& all, Simulation& simulation,
+                       Judgement& judgement) {
+  const double moved_m = snapped_m(report.warnings);
+  if (moved_m == 0.0 || all.states.size() < 2) return moved_m;
+  const SimulationState here = simulation.state();
+  simulation.reset();
+  command(here.commands(), simulation);
+  const SolveReport direct = simulation.solve_equilibrium();
+  judgement.count(all.solve, direct);
+  const double apart_m = (simulation.state().positions_m - here.positions_m).colwise().norm().maxCoeff();
+  const bool same = direct.converged && apart_m < kSamePlace * simulation.body().size_m();
+  simulation.set_state(here);
+  return same ? snapped_m(direct.warnings) : moved_m;
+}
+
 }  // namespace
+
+std::string unseen_obstacle(const std::vector<SolveWarning>& warnings) {
+  for (const SolveWarning& warning : warnings)
+    if (warning.kind == "coarse_contact" && warning.unit == "m") return warning.text;
+  return "";
+}
 
 std::vector<std::vector<double>> judged_commands(const Simulation& simulation, const RunSettings& run,
                                                  FidelityUse use) {
@@ -124,6 +148,8 @@ JudgedRests judged_rests(Scene& scene, const std::vector<Eigen::Vector3d>& probe
     if (report.converged) {
       add_state(simulation, number, probe_markers, all);
       all.skin_overlaps.push_back(overlaps(report.warnings));
+      all.snapped_m.push_back(snap_on_the_way(report, all, simulation, judgement));
+      if (all.unseen.empty()) all.unseen = unseen_obstacle(report.warnings);
       continue;
     }
     all.trouble = "rest state " + std::to_string(number) + " was not found: " + report.message;

@@ -16,6 +16,7 @@ constexpr std::size_t kMostJudged = 4;  // of a scene's rest states, those that 
 constexpr double kReach = 2.0;          // nodes, over those of the subdivided mesh, up to which it judges others
 // An error that much larger than on the subdivided, coarser mesh is another side of a buckled body.
 constexpr double kElsewhere = 2.0;
+constexpr double kOtherSide = 0.5;  // of the way from the rest shape: two meshes are apart by less
 // Newton iterations a stage on the finer mesh, which begins near its rest state: where it needs more, the coarse mesh
 // says little about it, and a finer one costs less than insisting.
 constexpr int kFineIterations = 8;
@@ -67,11 +68,20 @@ MeshError MeshJudge::settle(const YamlNode& settings, const TetMesh& mesh) {
     complete_boundary(whole);
     probes_ = probes_of(whole);
   }
-  Scene scene = build_scene(settings, mesh, judgement_.options);
-  if (judgement_.options.on_warnings) judgement_.options.on_warnings(scene.warnings);
-  rests_ = judged_rests(scene, probes_, judgement_);
+  scene_.emplace(build_scene(settings, mesh, judgement_.options));
+  if (judgement_.options.on_warnings) judgement_.options.on_warnings(scene_->warnings);
+  const auto same = [&](const Known& known) {
+    return known.nodes_m.cols() == mesh.nodes_m.cols() && known.nodes_m == mesh.nodes_m;
+  };
+  const auto known = std::find_if(known_.begin(), known_.end(), same);
+  rests_ = known != known_.end() ? known->rests : judged_rests(*scene_, probes_, judgement_);
+  if (known == known_.end()) known_.push_back({mesh.nodes_m, rests_});
   error.trouble = rests_.trouble;
   return error;
+}
+
+void MeshJudge::note(const std::optional<NearBuckling>& sign) {
+  if (sign && (!near_buckling_ || worse(*sign, *near_buckling_))) near_buckling_ = sign;
 }
 
 std::optional<double> MeshJudge::error_by_reference() const {
@@ -86,19 +96,46 @@ std::optional<double> MeshJudge::error_by_reference() const {
   return largest;
 }
 
+// Where this mesh and the one that judges have markers so far apart that no mesh's error explains it.
+std::optional<NearBuckling> MeshJudge::other_side(int nodes) const {
+  std::optional<NearBuckling> worst;
+  for (std::size_t i = 0; reference_ && nodes >= reference_->nodes && i < reference_->numbers.size(); ++i) {
+    const auto here = std::find(rests_.numbers.begin(), rests_.numbers.end(), reference_->numbers[i]);
+    if (here == rests_.numbers.end()) continue;
+    const auto at = static_cast<std::size_t>(here - rests_.numbers.begin());
+    const double apart_m =
+        distance(rests_.markers_m[at] - reference_->markers_m[i], rests_.probes_m[at] - reference_->probes_m[i]);
+    const NearBuckling sign{*here, nodes, 0.0, apart_m, 1.0};
+    const bool far = apart_m > std::max(kOtherSide * reference_->way_m[i], kElsewhere * reference_->error_m);
+    if (far && (!worst || worse(sign, *worst))) worst = sign;
+  }
+  return worst;
+}
+
 std::optional<MeshJudge::Reference> MeshJudge::subdivided(const YamlNode& settings, const TetMesh& mesh,
                                                           std::string& trouble) {
+  trouble = rests_.unseen;
+  if (!trouble.empty()) return std::nullopt;
   TetMesh whole = mesh;
   complete_boundary(whole);
+  const std::vector<std::size_t> which = furthest(rests_, whole);
+  note(snap_of(rests_, mesh.node_count()));
+  if (!near_buckling_) note(held_little(rests_, which, *scene_->simulation, judgement_));
+  if (near_buckling_) {  // a finer mesh would know no more
+    trouble = text_of(*near_buckling_);
+    return std::nullopt;
+  }
   const Subdivision subdivision = subdivide(whole);
   const Scene fine = build_scene(with_little_effort(settings), subdivision.mesh, judgement_.options);
   Simulation& simulation = *fine.simulation;
   const std::vector<Marker> probes = markers_at(probes_, simulation.body().mesh());
   const SolveCost cost = solve_cost(*simulation.model());
   const SimulationState start = simulation.state();
+  const Eigen::Matrix3Xd rest_markers_m = positions_of(simulation.markers(), start.positions_m);
+  const Eigen::Matrix3Xd rest_probes_m = positions_of(probes, start.positions_m);
   Reference reference;
   reference.nodes = mesh.node_count();
-  for (const std::size_t at : furthest(rests_, whole)) {
+  for (const std::size_t at : which) {
     simulation.set_state(carried(rests_.states[at], subdivision, start));
     EquilibriumOptions roughly;
     roughly.tolerance = kFineTolerance;
@@ -108,6 +145,10 @@ std::optional<MeshJudge::Reference> MeshJudge::subdivided(const YamlNode& settin
       trouble = "no rest state on the finer mesh: " + report.message;
       return std::nullopt;
     }
+    trouble = unseen_obstacle(report.warnings);
+    if (!trouble.empty()) return std::nullopt;
+    if (const double moved_m = snapped_m(report.warnings); moved_m > 0.0)
+      note(NearBuckling{rests_.numbers[at], subdivision.mesh.node_count(), moved_m, 0.0, 1.0});
     const Eigen::Matrix3Xd markers_m = positions_of(simulation.markers(), simulation.state().positions_m);
     const Eigen::Matrix3Xd probes_m = positions_of(probes, simulation.state().positions_m);
     const Eigen::Matrix3Xd of_markers = markers_m - rests_.markers_m[at], of_probes = probes_m - rests_.probes_m[at];
@@ -115,6 +156,7 @@ std::optional<MeshJudge::Reference> MeshJudge::subdivided(const YamlNode& settin
     reference.markers_m.emplace_back(markers_m + kBeyond * of_markers);
     reference.probes_m.emplace_back(probes_m + kBeyond * of_probes);
     reference.unsure_m.push_back(kUnsure * distance(of_markers, of_probes));
+    reference.way_m.push_back(distance(markers_m - rest_markers_m, probes_m - rest_probes_m));
     reference.error_m = std::max(reference.error_m, kFirstOrder * distance(of_markers, of_probes));
   }
   return reference;
@@ -124,6 +166,7 @@ MeshError MeshJudge::judge(const YamlNode& settings, const TetMesh& mesh, double
   MeshError error = settle(settings, mesh);
   if (!error.trouble.empty()) return error;
   if (reference_) error.expected_m = error_by_reference();
+  note(other_side(mesh.node_count()));
   if (error.expected_m && *error.expected_m <= enough_m) return error;
   const bool finer = reference_ && mesh.node_count() > reference_->nodes;
   const bool elsewhere = finer && error.expected_m && *error.expected_m > kElsewhere * reference_->error_m;
@@ -142,6 +185,7 @@ MeshError MeshJudge::judge(const YamlNode& settings, const TetMesh& mesh, double
 
 bool MeshJudge::contradicted(const YamlNode& settings, const TetMesh& mesh) {
   if (!reference_ || !settle(settings, mesh).trouble.empty()) return false;
+  note(other_side(mesh.node_count()));
   return error_by_reference().value_or(0.0) > reference_->error_m;
 }
 

@@ -246,6 +246,7 @@ void add_report(const SolveReport& part, SolveReport& total) {
   total.converged = total.converged && part.converged;
   total.interrupted = total.interrupted || part.interrupted;
   total.iterations += part.iterations;
+  total.factorisations += part.factorisations;
   total.steps += part.steps;
   total.rejected_steps += part.rejected_steps;
   total.residual = std::max(total.residual, part.residual);

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "fidelity_worth.h"
 #include "scene_files.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
@@ -22,57 +23,24 @@ namespace {
 using Json = nlohmann::json;
 
 // Of the table as it is; a change for the better lowers them.
-constexpr int kBankMisses = 0, kBankRefused = 3;
-constexpr double kBankWorstRegret = 6.5, kBankJudging = 70.0;
+constexpr int kBankMisses = 0, kBankRefused = 6;
+// The worst is luck of meshes: of column_aside at 0.3 mm 76 nodes are within it, and 232, 277 and 362 are not.
+constexpr double kBankWorstRegret = 56.0, kBankWorstWithoutLuck = 6.0, kBankJudging = 30.0;
 
 Json bank() {
   std::ifstream stream(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/fidelity_bank.json");
   return Json::parse(stream).at("scenes");
 }
 
-// Of the meshes that are within the tolerance, of those tried and those chosen.
-std::optional<double> cheapest_s(const Json& scene, double tolerance_m) {
-  std::optional<double> least;
-  for (const char* list : {"meshes", "choices"})
-    for (const Json& mesh : scene.at(list)) {
-      const double error_m = mesh.at("error_m").get<double>(), cost_s = mesh.at("cost_s").get<double>();
-      if (error_m >= 0.0 && error_m <= tolerance_m) least = std::min(cost_s, least.value_or(cost_s));
-    }
-  return least;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.at(values.size() / 2);
-}
-
-struct Worth {
-  std::vector<double> regrets, judging;  // cost over the cheapest; judging over a rest state
-  int misses = 0, refused = 0, met = 0;  // a miss counts beyond what is unsure of the truth
-};
-
-Worth worth(const Json& scenes) {
-  Worth all;
+FidelityWorth worth(const Json& scenes) {
+  FidelityWorth all;
   for (const Json& scene : scenes)
-    for (const Json& choice : scene.at("choices")) {
-      const double tolerance_m = choice.at("tolerance_m").get<double>(), error_m = choice.at("error_m").get<double>();
-      const std::optional<double> least_s = cheapest_s(scene, tolerance_m);
-      all.judging.push_back(choice.at("judging_cost_s").get<double>() / choice.at("cost_s").get<double>());
-      if (!choice.at("met").get<bool>()) {
-        all.refused += least_s ? 1 : 0;
-        continue;
-      }
-      ++all.met;
-      if (error_m < 0.0 || error_m > tolerance_m + scene.at("unsure_m").get<double>())
-        ++all.misses;
-      else if (error_m <= tolerance_m)
-        all.regrets.push_back(choice.at("cost_s").get<double>() / *least_s);
-    }
+    for (const Json& choice : scene.at("choices")) all.add(scene, choice);
   return all;
 }
 
 TEST(FidelityBank, ChoosesNearlyTheCheapestThatWillDo) {
-  const Worth all = worth(bank());
+  const FidelityWorth all = worth(bank());
   RecordProperty("median_regret", std::to_string(median(all.regrets)));
   RecordProperty("worst_regret", std::to_string(*std::max_element(all.regrets.begin(), all.regrets.end())));
   EXPECT_GE(all.met, 40);
@@ -80,6 +48,8 @@ TEST(FidelityBank, ChoosesNearlyTheCheapestThatWillDo) {
   EXPECT_LE(all.refused, kBankRefused);
   EXPECT_LE(median(all.regrets), 1.3);
   EXPECT_LE(*std::max_element(all.regrets.begin(), all.regrets.end()), kBankWorstRegret);
+  EXPECT_LE(median(all.without_luck), 1.3);
+  EXPECT_LE(*std::max_element(all.without_luck.begin(), all.without_luck.end()), kBankWorstWithoutLuck);
   EXPECT_LE(median(all.judging), kBankJudging);
 }
 
@@ -93,6 +63,18 @@ TEST(FidelityBank, ALooserToleranceNeverAsksForMoreNodes) {
       last = choice.at("nodes").get<int>();
     }
   }
+}
+
+// No error is stated of what buckles or is about to, and of all else one is.
+TEST(FidelityBank, RefusesWhatBucklesAlone) {
+  const std::set<std::string> buckles{"column_below_buckling", "column_beyond_buckling", "column_far_beyond_buckling",
+                                      "standing_post", "antagonists"};
+  for (const Json& scene : bank())
+    for (const Json& choice : scene.at("choices")) {
+      SCOPED_TRACE(scene.at("name").get<std::string>() + " " + choice.at("tolerance_m").dump());
+      EXPECT_EQ(choice.value("near_buckling", false), buckles.count(scene.at("name").get<std::string>()) > 0);
+    }
+  EXPECT_EQ(bank().size(), bank_scenes().size());
 }
 
 // The table is that of today's choice.

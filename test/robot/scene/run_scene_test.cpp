@@ -193,6 +193,16 @@ TEST(RunScene, SolvesEveryTimedCommandAndReportsTheLast) {
   }
 }
 
+// They are what most of the counted cost is, at rest and in time.
+TEST(RunScene, CountsFactorisations) {
+  const Outcome rest = run("run: {mode: equilibrium, commands: [{time_s: 0, left: 0.95}]}\n");
+  EXPECT_GT(rest.report.solve.factorisations, 0);
+  EXPECT_LE(rest.report.solve.factorisations, rest.report.solve.iterations);
+  const Outcome motion = run("run: {mode: dynamic, duration_s: 0.1, commands: [{time_s: 0, left: 0.95}]}\n");
+  EXPECT_GT(motion.report.solve.factorisations, 0);
+  EXPECT_LE(motion.report.solve.factorisations, motion.report.solve.iterations);
+}
+
 // Central differences over a command, against what the run reports.
 // A bar of next to no stiffness falls through itself; each of its steps is solved.
 TEST(RunScene, DoesNotConvergeToElementsThatAreInsideOut) {

@@ -58,6 +58,16 @@ struct JudgedMesh {
   std::optional<double> expected_error_m;
 };
 
+// A judged rest state at which the body has buckled on a mesh that was looked at, or nearly. The side to which it goes
+// hangs there on what the model does not know, and the markers may be elsewhere by far more than a mesh's error.
+struct NearBuckling {
+  int rest_state = 0;      // its number, from 1
+  int nodes = 0;           // of the mesh that shows it
+  double snapped_m = 0.0;  // by how much a node moved where the way there became unstable; 0: it did not
+  double apart_m = 0.0;    // how far the markers are from where the mesh that judges has them; 0: they agree
+  double stiffness = 1.0;  // with which the markers are held there, over that of the rest shape
+};
+
 struct FidelityReport {
   double tolerance_m = 0.0;  // of the markers; 0: the scene was judged as it is
   FidelityUse use = FidelityUse::rest;
@@ -72,6 +82,7 @@ struct FidelityReport {
   double time_error_m = 0.0;
   double reduced_error_m = 0.0;
   std::string trouble;
+  std::optional<NearBuckling> near_buckling;  // then no error is expected, and the tolerance is not met
   double left_out_contact_m = 0.0;  // how far contact of skin with skin would move a marker, where it is left out
 
   double real_time = 0.0;           // asked for, times real time; 0: not

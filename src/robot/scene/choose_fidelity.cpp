@@ -300,7 +300,8 @@ FidelityUse use_of_run(const YamlNode& settings) {
 
 FidelityReport choose_or_judge(const YamlNode& settings, const std::optional<FidelityRequest>& request,
                                const SceneOptions& options) {
-  const YamlNode judged = newton().over(settings);
+  constexpr double kNoLimit_s = 1e9;  // of time on the wall, on which no choice may hang
+  const YamlNode judged = newton().set({"solver", "time_limit_s"}, kNoLimit_s).over(settings);
   Judgement judgement{judged, options, request ? request->use : use_of_run(settings)};
   std::optional<Rung> rung;
   FidelityReport report;

@@ -63,6 +63,12 @@ class Fidelity : public testing::Test {
   SceneOptions options_;
 };
 
+TEST_F(Fidelity, DoesNotHangOnALimitOfWallTime) {
+  const Scene scene = load(kPulledBar + "solver: {time_limit_s: 1.0e-6}\nfidelity: {tolerance_m: 0.01}\n");
+  EXPECT_TRUE(scene.fidelity->met) << scene.fidelity->trouble;
+  EXPECT_EQ(scene.simulation->options().time_limit_s, 1e-6);
+}
+
 Eigen::Matrix3Xd settled_markers(Scene& scene) {
   const RunReport report = run_scene(scene);
   EXPECT_TRUE(report.solve.converged) << report.solve.message;

@@ -9,6 +9,7 @@
 #include "reduced_fidelity.h"
 #include "robot/design/content_hash.h"
 #include "settings/cpu_time.h"
+#include "settings/limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -300,8 +301,8 @@ FidelityUse use_of_run(const YamlNode& settings) {
 
 FidelityReport choose_or_judge(const YamlNode& settings, const std::optional<FidelityRequest>& request,
                                const SceneOptions& options) {
-  constexpr double kNoLimit_s = 1e9;  // of time on the wall, on which no choice may hang
-  const YamlNode judged = newton().set({"solver", "time_limit_s"}, kNoLimit_s).over(settings);
+  // No choice may hang on the time that a machine takes.
+  const YamlNode judged = newton().set({"solver", "time_limit_s"}, limits::kTime_s).over(settings);
   Judgement judgement{judged, options, request ? request->use : use_of_run(settings)};
   std::optional<Rung> rung;
   FidelityReport report;

@@ -127,6 +127,7 @@ TEST(RunScene, SaysWhyAHalvedStepDidNotConverge) {
           "contact:\n"
           "  obstacles: [{name: a, box: {center_m: [0, 0, 0.0801], size_m: [0.02, 0.02, 0.02]}, mass_kg: 0.01,\n"
           "               angular_velocity_rad_s: [1.0e+4, 0, 0]}]\n"
+          "solver: {max_iterations: 4}\n"
           "run: {mode: dynamic, duration_s: 0.05}\n"),
       options);
   const SolveReport report = run_scene(scene).solve;

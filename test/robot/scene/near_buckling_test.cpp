@@ -60,9 +60,7 @@ TEST_F(NearBucklingOf, APostUnderItsOwnWeightClaimsNothing) {
   expect_no_claim(*load(standing_post(0.114) + kWish).fidelity);
 }
 
-TEST_F(NearBucklingOf, CablesOnBothSidesClaimNothing) {
-  expect_no_claim(*load(antagonists(0.95) + kWish).fidelity);
-}
+TEST_F(NearBucklingOf, CablesOnBothSidesClaimNothing) { expect_no_claim(*load(antagonists(0.95) + kWish).fidelity); }
 
 // Cables that hold a tip from four sides, and let go of three: it is softer, but far from buckling.
 TEST_F(NearBucklingOf, CablesThatLetGoAreNoBuckling) {

@@ -11,6 +11,7 @@
 
 #include "mechanics/body/gap.h"
 #include "mechanics/mesh/shape_functions.h"
+#include "mechanics/mesh/solid_angle.h"
 #include "present_faces.h"
 #include "settings/point_text.h"
 
@@ -65,17 +66,14 @@ SolveWarning warning_of(const Obstacle& obstacle, const Deepest& deepest) {
                std::min(size_m(obstacle.shape), kFiner * deepest.face_size_m));
 }
 
-// How often the body's faces surround a place: 1 in the silicone, 0 outside of it, as by their solid angles (van
-// Oosterom and Strackee 1983). Curved faces count by their corners.
-double winding(const Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3d& at_m) {
-  double half_angles = 0.0;
+// Whether the body's faces surround a place, by their corners.
+bool in_silicone(const Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3d& at_m) {
+  double half = 0.0;
   for (Eigen::Index face = 0; face < faces.cols(); ++face) {
-    const Eigen::Vector3d a = positions_m.col(faces(0, face)) - at_m, b = positions_m.col(faces(1, face)) - at_m,
-                          c = positions_m.col(faces(2, face)) - at_m;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    half_angles += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    const auto corner_m = [&](int corner) -> Eigen::Vector3d { return positions_m.col(faces(corner, face)) - at_m; };
+    half += half_solid_angle(corner_m(0), corner_m(1), corner_m(2));
   }
-  return half_angles / (2.0 * M_PI);
+  return std::abs(half) > M_PI;
 }
 
 // Of an obstacle that no face meets: how deep its middle is in the silicone; 0: it is not, or the obstacle has a hole
@@ -83,7 +81,7 @@ double winding(const Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& positions_m
 double swallowed_m(const Obstacle& obstacle, const Eigen::Isometry3d& pose, const Eigen::Vector3d& middle_m,
                    const Body& body, const Eigen::Matrix3Xd& positions_m) {
   if (gap_to(obstacle.shape, pose, middle_m).gap_m >= 0.0) return 0.0;
-  if (std::abs(winding(body.mesh().faces, positions_m, middle_m)) < 0.5) return 0.0;
+  if (!in_silicone(body.mesh().faces, positions_m, middle_m)) return 0.0;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (Eigen::Index face = 0; face < body.mesh().faces.cols(); ++face)
     for (int corner = 0; corner < 3; ++corner)

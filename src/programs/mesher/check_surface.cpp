@@ -14,6 +14,7 @@
 
 #include <Eigen/Geometry>
 
+#include "mechanics/mesh/solid_angle.h"
 #include "mechanics/mesh/tet_faces.h"
 #include "settings/point_text.h"
 
@@ -151,15 +152,11 @@ std::vector<Shell> shells_of(const Surface& surface, const Edges& edges) {
   return shells;
 }
 
-// The solid angle of a closed shell from a point is 4 pi inside and 0 outside (van Oosterom and Strackee 1983).
 bool is_inside(const Surface& surface, const Point& point, const Shell& shell) {
   if (!shell.box.contains(point)) return false;
   double half = 0;
-  for (const int i : shell.facets) {
-    const Point a = surface.corner(i, 0) - point, b = surface.corner(i, 1) - point, c = surface.corner(i, 2) - point;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    half += std::atan2(a.cross(b).dot(c), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
+  for (const int i : shell.facets)
+    half += half_solid_angle(surface.corner(i, 0) - point, surface.corner(i, 1) - point, surface.corner(i, 2) - point);
   return std::abs(half) > M_PI;
 }
 

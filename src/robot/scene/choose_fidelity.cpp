@@ -30,7 +30,7 @@ Overrides newton() { return Overrides().set({"solver", "method"}, "newton"); }
 // Near buckling no error is stated: the markers may be on another side.
 void note_buckling(const std::optional<NearBuckling>& judging, const JudgedRests& rests, FidelityReport& report) {
   report.near_buckling = snap_of(rests, report.nodes);
-  if (judging && (!report.near_buckling || worse(*judging, *report.near_buckling))) report.near_buckling = judging;
+  if (judging) keep_worse(*judging, report.near_buckling);
   if (!report.near_buckling) return;
   report.trouble = text_of(*report.near_buckling);
   report.expected_error_m.reset();

@@ -110,10 +110,10 @@ JudgedRests judged_rests(Scene& scene, const std::vector<Eigen::Vector3d>& probe
 std::string unseen_obstacle(const std::vector<SolveWarning>& warnings);
 
 std::string text_of(const NearBuckling& sign);
+void keep_worse(const NearBuckling& sign, std::optional<NearBuckling>& worst);
+double snapped_m(const std::vector<SolveWarning>& warnings);  // the largest; 0: it did not
 // Signs of buckling; none where there is none. `which`: places in `rests`, which was judged on this simulation's mesh;
 // its state and commands change.
-bool worse(const NearBuckling& a, const NearBuckling& b);
-double snapped_m(const std::vector<SolveWarning>& warnings);
 std::optional<NearBuckling> snap_of(const JudgedRests& rests, int nodes);
 std::optional<NearBuckling> held_little(const JudgedRests& rests, const std::vector<std::size_t>& which,
                                         Simulation& simulation, Judgement& judgement);
@@ -155,8 +155,7 @@ class MeshJudge {
   };
   MeshError settle(const YamlNode& settings, const TetMesh& mesh);
   std::optional<double> error_by_reference() const;
-  void note(const std::optional<NearBuckling>& sign);
-  std::optional<NearBuckling> other_side(int nodes) const;
+  void note_other_side(int nodes);
   std::optional<Reference> subdivided(const YamlNode& settings, const TetMesh& mesh, std::string& trouble);
 
   Judgement& judgement_;

@@ -80,10 +80,6 @@ MeshError MeshJudge::settle(const YamlNode& settings, const TetMesh& mesh) {
   return error;
 }
 
-void MeshJudge::note(const std::optional<NearBuckling>& sign) {
-  if (sign && (!near_buckling_ || worse(*sign, *near_buckling_))) near_buckling_ = sign;
-}
-
 std::optional<double> MeshJudge::error_by_reference() const {
   double largest = 0.0;
   for (std::size_t i = 0; i < reference_->numbers.size(); ++i) {
@@ -97,19 +93,16 @@ std::optional<double> MeshJudge::error_by_reference() const {
 }
 
 // Where this mesh and the one that judges have markers so far apart that no mesh's error explains it.
-std::optional<NearBuckling> MeshJudge::other_side(int nodes) const {
-  std::optional<NearBuckling> worst;
+void MeshJudge::note_other_side(int nodes) {
   for (std::size_t i = 0; reference_ && nodes >= reference_->nodes && i < reference_->numbers.size(); ++i) {
     const auto here = std::find(rests_.numbers.begin(), rests_.numbers.end(), reference_->numbers[i]);
     if (here == rests_.numbers.end()) continue;
     const auto at = static_cast<std::size_t>(here - rests_.numbers.begin());
     const double apart_m =
         distance(rests_.markers_m[at] - reference_->markers_m[i], rests_.probes_m[at] - reference_->probes_m[i]);
-    const NearBuckling sign{*here, nodes, 0.0, apart_m, 1.0};
-    const bool far = apart_m > std::max(kOtherSide * reference_->way_m[i], kElsewhere * reference_->error_m);
-    if (far && (!worst || worse(sign, *worst))) worst = sign;
+    if (apart_m > std::max(kOtherSide * reference_->way_m[i], kElsewhere * reference_->error_m))
+      keep_worse({*here, nodes, 0.0, apart_m, 1.0}, near_buckling_);
   }
-  return worst;
 }
 
 std::optional<MeshJudge::Reference> MeshJudge::subdivided(const YamlNode& settings, const TetMesh& mesh,
@@ -119,8 +112,8 @@ std::optional<MeshJudge::Reference> MeshJudge::subdivided(const YamlNode& settin
   TetMesh whole = mesh;
   complete_boundary(whole);
   const std::vector<std::size_t> which = furthest(rests_, whole);
-  note(snap_of(rests_, mesh.node_count()));
-  if (!near_buckling_) note(held_little(rests_, which, *scene_->simulation, judgement_));
+  if (const auto snap = snap_of(rests_, mesh.node_count())) keep_worse(*snap, near_buckling_);
+  if (!near_buckling_) near_buckling_ = held_little(rests_, which, *scene_->simulation, judgement_);
   if (near_buckling_) {  // a finer mesh would know no more
     trouble = text_of(*near_buckling_);
     return std::nullopt;
@@ -148,7 +141,7 @@ std::optional<MeshJudge::Reference> MeshJudge::subdivided(const YamlNode& settin
     trouble = unseen_obstacle(report.warnings);
     if (!trouble.empty()) return std::nullopt;
     if (const double moved_m = snapped_m(report.warnings); moved_m > 0.0)
-      note(NearBuckling{rests_.numbers[at], subdivision.mesh.node_count(), moved_m, 0.0, 1.0});
+      keep_worse({rests_.numbers[at], subdivision.mesh.node_count(), moved_m, 0.0, 1.0}, near_buckling_);
     const Eigen::Matrix3Xd markers_m = positions_of(simulation.markers(), simulation.state().positions_m);
     const Eigen::Matrix3Xd probes_m = positions_of(probes, simulation.state().positions_m);
     const Eigen::Matrix3Xd of_markers = markers_m - rests_.markers_m[at], of_probes = probes_m - rests_.probes_m[at];
@@ -166,7 +159,7 @@ MeshError MeshJudge::judge(const YamlNode& settings, const TetMesh& mesh, double
   MeshError error = settle(settings, mesh);
   if (!error.trouble.empty()) return error;
   if (reference_) error.expected_m = error_by_reference();
-  note(other_side(mesh.node_count()));
+  note_other_side(mesh.node_count());
   if (error.expected_m && *error.expected_m <= enough_m) return error;
   const bool finer = reference_ && mesh.node_count() > reference_->nodes;
   const bool elsewhere = finer && error.expected_m && *error.expected_m > kElsewhere * reference_->error_m;
@@ -185,7 +178,7 @@ MeshError MeshJudge::judge(const YamlNode& settings, const TetMesh& mesh, double
 
 bool MeshJudge::contradicted(const YamlNode& settings, const TetMesh& mesh) {
   if (!reference_ || !settle(settings, mesh).trouble.empty()) return false;
-  note(other_side(mesh.node_count()));
+  note_other_side(mesh.node_count());
   return error_by_reference().value_or(0.0) > reference_->error_m;
 }
 

@@ -2,6 +2,7 @@
 // Signs that a body is about to buckle, or has: then the side to which it goes hangs on what no mesh knows.
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -39,9 +40,9 @@ std::optional<double> compliance_m_n(Simulation& simulation) {
 
 }  // namespace
 
-bool worse(const NearBuckling& a, const NearBuckling& b) {
-  const double a_m = std::max(a.snapped_m, a.apart_m), b_m = std::max(b.snapped_m, b.apart_m);
-  return a_m != b_m ? a_m > b_m : a.stiffness < b.stiffness;
+void keep_worse(const NearBuckling& sign, std::optional<NearBuckling>& worst) {
+  const auto rank = [](const NearBuckling& of) { return std::pair(std::max(of.snapped_m, of.apart_m), -of.stiffness); };
+  if (!worst || rank(sign) > rank(*worst)) worst = sign;
 }
 
 double snapped_m(const std::vector<SolveWarning>& warnings) {
@@ -54,8 +55,7 @@ double snapped_m(const std::vector<SolveWarning>& warnings) {
 std::optional<NearBuckling> snap_of(const JudgedRests& rests, int nodes) {
   std::optional<NearBuckling> worst;
   for (std::size_t i = 0; i < rests.numbers.size(); ++i) {
-    const NearBuckling sign{rests.numbers[i], nodes, rests.snapped_m[i], 0.0, 1.0};
-    if (sign.snapped_m > 0.0 && (!worst || worse(sign, *worst))) worst = sign;
+    if (rests.snapped_m[i] > 0.0) keep_worse({rests.numbers[i], nodes, rests.snapped_m[i], 0.0, 1.0}, worst);
   }
   return worst;
 }
@@ -76,7 +76,7 @@ std::optional<NearBuckling> held_little(const JudgedRests& rests, const std::vec
     judgement.cost_s += once_s;
     const NearBuckling sign{rests.numbers[i], simulation.body().mesh().node_count(), 0.0, 0.0,
                             here_m_n ? *at_rest_m_n / *here_m_n : 0.0};
-    if (sign.stiffness < kHeldLittle && (!worst || worse(sign, *worst))) worst = sign;
+    if (sign.stiffness < kHeldLittle) keep_worse(sign, worst);
   }
   return worst;
 }

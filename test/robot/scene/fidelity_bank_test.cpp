@@ -14,6 +14,7 @@
 
 #include "fidelity_worth.h"
 #include "scene_files.h"
+#include "settings/quantile.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 

@@ -36,11 +36,6 @@ inline std::optional<double> cheapest_without_luck_s(const nlohmann::json& scene
   return least;
 }
 
-inline double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.at(values.size() / 2);
-}
-
 struct FidelityWorth {
   // Cost over the cheapest, and over the cheapest that needs no luck; judging over a rest state.
   std::vector<double> regrets, without_luck, judging;

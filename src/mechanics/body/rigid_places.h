@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where two rigid shapes may touch: places of one shape against the whole of the other, and edges of both that cross.
 // Every shape is a core that its surface rounds off by a radius: a point, an axis, a flat disc of a cylinder, a box.
-//   ball on shape   a sphere, an end of a capsule, a corner of a box or of a mesh, one of a cylinder's 24
+//   ball on shape   a sphere, an end of a capsule, a corner of a box or mesh, one of 24 points of a cylinder's edge
 //   rim on shape    the two points of a cylinder's edge that are nearest: it rolls on a circle, not on a polygon
 //   line on line    an edge of a box or the axis of a capsule or a cylinder, against another one that it crosses
 //   line on mesh    the two points of such a line that are nearest to a mesh, and 23 points along it

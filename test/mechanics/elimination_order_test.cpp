@@ -90,7 +90,7 @@ TEST(EliminationOrder, TakesNodesThatNothingCouples) {
 
 volatile std::sig_atomic_t signals_seen = 0;
 
-// SIGTERM every two milliseconds, which METIS's own handler takes while it runs.
+// SIGTERM every two milliseconds.
 class Alarm {
  public:
   Alarm() : before_(std::signal(SIGTERM, [](int) { signals_seen = signals_seen + 1; })) {
@@ -113,17 +113,14 @@ class Alarm {
   timer_t timer_{};
 };
 
-TEST(EliminationOrder, IsThereAlthoughASignalEndsMetis) {
+// METIS_NodeND ended in SIGTERM, or in a lock of malloc that was never given back.
+TEST(EliminationOrder, HangsOnNoSignal) {
   const Neighbours neighbours = grid(16, 16, 16);
-  std::vector<int> order;
+  const std::vector<int> undisturbed = elimination_order(neighbours);
   signals_seen = 0;
-  {
-    const Alarm alarm;
-    order = elimination_order(neighbours);
-  }
+  const Alarm alarm;
+  EXPECT_EQ(elimination_order(neighbours), undisturbed);
   EXPECT_GT(signals_seen, 0) << "they reach the program's own handler";
-  std::sort(order.begin(), order.end());
-  EXPECT_EQ(order, ascending(neighbours));
 }
 
 }  // namespace

@@ -10,8 +10,7 @@ using Neighbours = std::vector<std::vector<int>>;  // per node, sorted, without 
 
 // Nodes, the first to be eliminated first: by nested dissection (METIS) or by approximate minimum degree (Amestoy,
 // Davis and Duff 1996, in Eigen), whichever takes the fewest operations. Slender bodies mostly take the latter, thick
-// ones the former. Where METIS fails it is the latter.
-// A SIGTERM that METIS takes for its own is raised again.
+// ones the former. Where METIS refuses it is the latter.
 std::vector<int> elimination_order(const Neighbours& neighbours);
 
 // Renumbers so that every subtree of the elimination tree is contiguous; the factor's size stays the same.

@@ -14,7 +14,7 @@ namespace {
 
 bool neo_hookean(const Body& body) {
   for (int tet = 0; tet < body.mesh().tet_count(); ++tet)
-    if (body.material_of(tet).model != MaterialModel::neo_hookean) return false;
+    if (!is_neo_hookean(body.material_of(tet).model)) return false;
   return true;
 }
 

@@ -33,6 +33,18 @@ template <class Law>
 using LawList = std::vector<Law, BatchAllocator<Law>>;
 using MaterialLaws = std::variant<LawList<NeoHookean>, LawList<Rivlin>>;
 
+// Which of the two a model needs. A model that is neither gets a law of its own, and a list of it above.
+inline bool is_neo_hookean(MaterialModel model) {
+  switch (model) {
+    case MaterialModel::neo_hookean:
+      return true;
+    case MaterialModel::mooney_rivlin:
+    case MaterialModel::yeoh:
+      return false;
+  }
+  return false;
+}
+
 inline void set_lane(const Material& material, int lane, NeoHookean& law) { law.mu[lane] = material.lame_mu_pa(); }
 inline void set_lane(const Material& material, int lane, Rivlin& law) {
   law.c10[lane] = material.c10_pa();

@@ -233,7 +233,7 @@ LawList<Law> laws_of(const std::vector<RestPoint>& points, const Body& body) {
 
 MaterialLaws laws_at(const std::vector<RestPoint>& points, const Body& body) {
   const auto neo_hookean = [&](const RestPoint& point) {
-    return body.material_of(point.element).model == MaterialModel::neo_hookean;
+    return is_neo_hookean(body.material_of(point.element).model);
   };
   if (std::all_of(points.begin(), points.end(), neo_hookean)) return laws_of<NeoHookean>(points, body);
   return laws_of<Rivlin>(points, body);

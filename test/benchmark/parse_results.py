@@ -154,6 +154,14 @@ def chart(part, columns):
     return parse
 
 
+def fidelity(texts):
+    """Of chart_fidelity: a row a tolerance."""
+    columns = {'tolerance_mm': 'tolerance [mm]', 'scenes': 'scenes', 'met': 'met', 'misses': 'missed', 'refused': 'refused', 'near_buckling': 'near buckling',
+               'median_regret': 'regret, median', 'worst_regret': 'regret, at most', 'worst_without_luck': 'without luck, at most',
+               'judging_rest_states': 'choosing, median [rest states]'}
+    return of_dicts([{title: row.get(key, '') for key, title in columns.items()} for row in json.loads(only(texts))])
+
+
 def published(texts):
     """The block `published` of speed_accuracy.yaml: a key and a value in each line."""
     rows = []

@@ -114,6 +114,11 @@ COST = [
           ['config/experiments/speed_accuracy.yaml', robot('spinebot')], {'speed_accuracy_motion.png': 'speed_accuracy_motion.png'}),
     Table('nodes', 'Error against CPU time', 'Cost over nodes', 'The cantilever falls for a moment, and comes to rest at once, on one core; powers are by least squares over the finer meshes.',
           [Command(['chart_speed_accuracy', '--part', 'nodes', '--output', '{out}'], '{out}/speed_accuracy.json')], parse.nodes, ['config/scenes/cantilever.yaml']),
+    Table('fidelity', 'Error against CPU time', 'What `fidelity` chooses', 'The bank of scenes with true errors and counted costs, `test/data/fidelity_bank.json`, at several tolerances.\n'
+          'Regret: cost of the chosen mesh over that of the cheapest one within the tolerance; without luck, of the cheapest from which on none of the finer ones is beyond. Missed: said to be met, but beyond the tolerance. Refused: a mesh would have met it.\n'
+          'Near buckling no error is stated, so none is met. Choosing is counted in rest states of the chosen model.',
+          [Command(['chart_fidelity', '{root}/test/data/fidelity_bank.json', '{out}'], '{out}/fidelity.json')], parse.fidelity, ['test/data/fidelity_bank.json'],
+          {'fidelity.png': 'fidelity.png'}),
     Table('field', 'Error against CPU time', 'Against the field', 'What others published of their own models, on their own machines; none of it was run here, and none states an error at that speed.\n'
           'SOFA\'s bodies have linear elements and are easily compressed; rods have no cross-section that deforms. So no row says that one program is faster at the same error.',
           [Command(['/bin/cat', '{root}/config/experiments/speed_accuracy.yaml'])], parse.published, ['config/experiments/speed_accuracy.yaml']),

@@ -140,6 +140,61 @@ TEST(RestPath, AnObstacleThatTheBodySwallowedIsNamed) {
   }
 }
 
+// A bar of 100 x 10 x 10 mm that sags by 86 mm where nothing is below it.
+Simulation sagging_bar(const Obstacle& obstacle, const SolverOptions& options = {}) {
+  Body body(box_mesh({0, -0.005, -0.005}, {0.1, 0.005, 0.005}, {10, 1, 1}), {60e3, 0.45, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  body.set_gravity({0, 0, -9.81});
+  body.set_obstacles({obstacle});
+  std::vector<Marker> markers;
+  markers.emplace_back("marker", Eigen::Vector3d(0.1, 0, 0), body.mesh(), MeshLocator(body.mesh()));
+  return Simulation(std::move(body), {}, std::move(markers), options);
+}
+
+// On its way down the bar took them through itself, between its contact points, and they were below it in the end: on
+// its top. What is beside the way, or below its end, is not named.
+TEST(RestPath, AnObstacleThatWentThroughTheBodyIsNamed) {
+  const auto shapes_at = [](const Eigen::Vector3d& at_m) {
+    return std::vector<ObstacleShape>{Sphere{at_m, 0.0002}, Sphere{at_m, 0.001},
+                                      Capsule{at_m, at_m - Eigen::Vector3d(0.001, 0, 0.02), 0.0005},
+                                      RoundedBox{at_m, {0.0006, 0.0008, 0.001}, 0.0001}};
+  };
+  const Eigen::Vector3d on_the_way_m(0.08, 0.001, -0.02), beside_m(0.08, 0.0075, -0.02), below_m(0.08, 0.001, -0.1);
+  for (const Eigen::Vector3d& at_m : {on_the_way_m, beside_m, below_m}) {
+    for (const ObstacleShape& shape : shapes_at(at_m)) {
+      Simulation simulation = sagging_bar({"one", shape, {}, 0.9});
+      const SolveReport report = simulation.solve_equilibrium();
+      ASSERT_TRUE(report.converged) << report.message;
+      EXPECT_EQ(warns_of(report, "coarse_contact"), at_m == on_the_way_m)
+          << shape.index() << " at " << at_m.transpose();
+    }
+  }
+}
+
+TEST(RestPath, AnObstacleThatGoesThroughTheBodyInTimeIsNamed) {
+  for (const double aside_m : {0.0, 0.0065}) {
+    const Sphere ball{{0.08, 0.001 + aside_m, -0.02}, 0.0002};
+    SolverOptions options;
+    options.time_step_s = 0.05;
+    Simulation simulation = sagging_bar({"ball", ball, {}, 0.9}, options);
+    bool named = false;
+    for (int i = 0; i < 6; ++i) named = warns_of(simulation.step(), "coarse_contact") || named;
+    EXPECT_LT(simulation.marker_position(0).z(), -0.05);
+    EXPECT_EQ(named, aside_m == 0.0);
+  }
+}
+
+// It moves in one stage through a bar that hardly does.
+TEST(RestPath, AnObstacleThatMovesThroughTheBodyIsNamed) {
+  for (const double aside_m : {0.0, 0.0065}) {
+    const Sphere ball{{0.0312, 0.001 + aside_m, 0.02}, 0.0004};
+    Simulation simulation = sagging_bar({"ball", ball, {{}, {1.0, {0, 0, -0.06}, kZero}}, 0.9});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    EXPECT_EQ(warns_of(report, "coarse_contact"), aside_m == 0.0);
+  }
+}
+
 // A ball pressed into a short bar, which slips off to a side: in one stage that was the other side than in small ones.
 TEST(RestPath, AnObstacleThatMovesFarLeadsWhereItLeadsInPieces) {
   const auto bar_beside_ball = [](double share) {

@@ -50,6 +50,7 @@ class ContactPoints {
   bool is_round(int point) const { return round_[static_cast<std::size_t>(face_of(point))]; }  // its face, with others
   double face_size_m(int point) const { return sizes_m_[face_of(point)]; }  // edge of half a square of its area
   double least_face_size_m() const { return sizes_m_.minCoeff(); }
+  double largest_face_size_m() const { return sizes_m_.maxCoeff(); }
 
   Eigen::Vector3d at(int point, const Eigen::Matrix3Xd& columns) const;          // the nodes' columns, interpolated
   double present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // that it stands for; guards: little

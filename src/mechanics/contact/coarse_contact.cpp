@@ -43,27 +43,12 @@ void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& po
   }
 }
 
-// `why`, and how large elements should be there.
-SolveWarning about(const Obstacle& obstacle, double size, const std::string& unit, const std::string& why,
-                   double element_size_m) {
-  SolveWarning warning;
-  warning.kind = "coarse_contact";
-  warning.actuator = obstacle.name;
-  warning.size = size;
-  warning.unit = unit;
-  std::ostringstream text;
-  text << "obstacle '" << obstacle.name << "' " << why << "; elements there of " << element_size_m
-       << " m (body.refinements, or body.element_size_m) would do";
-  warning.text = text.str();
-  return warning;
-}
-
 SolveWarning warning_of(const Obstacle& obstacle, const Deepest& deepest) {
   std::ostringstream why;
   why << "is too small or too sharp for the contact points that meet it: it is " << deepest.depth_m
       << " m deep in the skin between them, at " << point_text(deepest.at_m);
-  return about(obstacle, deepest.depth_m, "m", why.str(),
-               std::min(size_m(obstacle.shape), kFiner * deepest.face_size_m));
+  return coarse_contact_warning(obstacle, deepest.depth_m, "m", why.str(),
+                                std::min(size_m(obstacle.shape), kFiner * deepest.face_size_m));
 }
 
 // Whether the body's faces surround a place, by their corners.
@@ -94,7 +79,7 @@ SolveWarning warning_of_swallowed(const Obstacle& obstacle, double depth_m, cons
   why << "is in the silicone, at " << point_text(middle_m)
       << ", as it is too small for the contact points, or the body "
       << "went too far at once";
-  return about(obstacle, depth_m, "m", why.str(), size_m(obstacle.shape));
+  return coarse_contact_warning(obstacle, depth_m, "m", why.str(), size_m(obstacle.shape));
 }
 
 // Pressed skin of an obstacle.
@@ -108,7 +93,7 @@ SolveWarning warning_of(const Obstacle& obstacle, const Patch& patch) {
   std::ostringstream why;
   why << "presses round skin over " << patch.area_m2 << " m^2, less than one of its faces, at "
       << point_text(patch.at_m) << ": rolling is braked";
-  return about(obstacle, patch.face_m2 / patch.area_m2, "1", why.str(), std::sqrt(patch.area_m2));
+  return coarse_contact_warning(obstacle, patch.face_m2 / patch.area_m2, "1", why.str(), std::sqrt(patch.area_m2));
 }
 
 // A body that nothing holds rolls on what it touches, from one contact point to the next where these are far apart.
@@ -132,6 +117,20 @@ void warn_of_rolling(const Body& body, const ContactTerm& contact, const Eigen::
 }
 
 }  // namespace
+
+SolveWarning coarse_contact_warning(const Obstacle& obstacle, double size, const std::string& unit,
+                                    const std::string& why, double element_size_m) {
+  SolveWarning warning;
+  warning.kind = "coarse_contact";
+  warning.actuator = obstacle.name;
+  warning.size = size;
+  warning.unit = unit;
+  std::ostringstream text;
+  text << "obstacle '" << obstacle.name << "' " << why << "; elements there of " << element_size_m
+       << " m (body.refinements, or body.element_size_m) would do";
+  warning.text = text.str();
+  return warning;
+}
 
 std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& contact,
                                           const Eigen::Matrix3Xd& positions_m, const ContactState& state) {

@@ -2,6 +2,7 @@
 // Obstacles that are too small or too sharp for the spacing of the contact points: skin goes into them where none is.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,5 +20,9 @@ namespace soft_robot_lab {
 // face's area over it [1].
 std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& contact,
                                           const Eigen::Matrix3Xd& positions_m, const ContactState& state);
+
+// A warning of this kind: `why`, and how large elements should be there.
+SolveWarning coarse_contact_warning(const Obstacle& obstacle, double size, const std::string& unit,
+                                    const std::string& why, double element_size_m);
 
 }  // namespace soft_robot_lab

@@ -15,7 +15,8 @@ constexpr double kNear = 0.05;      // of the allowed depth: nearer than that is
 constexpr int kMostAdvances = 100;
 constexpr double kMostOverNodes = 5.0 / 3.0;  // a quadratic face's point moves over its nodes: sum of |N| at its middle
 
-// The part of a straight way on which a point first is deeper than `depth_m` in an obstacle that stands still.
+}  // namespace
+
 double part_until(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& from_m,
                   const Eigen::Vector3d& way_m, double depth_m, double near_m) {
   double part = 0.0;
@@ -26,8 +27,6 @@ double part_until(const ObstacleShape& shape, const Eigen::Isometry3d& pose, con
   }
   return std::min(part, 1.0);
 }
-
-}  // namespace
 
 double allowed_depth_m(const Obstacle& obstacle, double face_size_m) {
   if (std::holds_alternative<Plane>(obstacle.shape)) return std::numeric_limits<double>::infinity();

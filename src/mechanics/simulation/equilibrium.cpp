@@ -9,6 +9,7 @@
 #include "descent.h"
 #include "free_motion.h"
 #include "mechanics/body/gap.h"
+#include "mechanics/contact/passed_obstacles.h"
 #include "rest_path.h"
 #include "solve_ending.h"
 #include "mechanics/solver_constants.h"
@@ -36,6 +37,12 @@ void report_unfinished(double done, SolveReport& report) {
   report.message = reached.str();
 }
 
+// What happened on the way.
+struct Noted {
+  std::vector<Snap> snaps;
+  std::vector<SolveWarning> passed;  // obstacles
+};
+
 // Walks along a path from one stable rest state to the next, in stages that are cut where one is too far.
 class Walk {
  public:
@@ -51,7 +58,7 @@ class Walk {
   void go_in_stages(int count);
   // The share of the way that was reached.
   double go();
-  const std::vector<Snap>& snaps() const { return snaps_; }
+  const Noted& noted() const { return noted_; }
   int stages() const { return stages_; }
 
  private:
@@ -77,7 +84,7 @@ class Walk {
   bool balloons_before(double share);
   bool go_on_from(double share, RestFound found, double& stage);
   bool go_on_under_loads(double share);  // that come slowly
-  void advance_to(double share, Eigen::Matrix3Xd&& from_m);
+  void advance_to(double share, SimulationState&& from);
 
   // How far the shape went in the two stages before, as for all of the way [m].
   struct StagesBefore {
@@ -97,15 +104,20 @@ class Walk {
   bool balloons_ = false;  // a chamber: there is no way on
   bool looked_for_balloons_ = false;
   Eigen::Matrix3Xd before_m_;  // where the stage before began
-  std::vector<Snap> snaps_;
+  Noted noted_;
 };
 
-void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
-  const double way_m = way_from_m(from_m);
+void Walk::advance_to(double share, SimulationState&& from) {
+  const double way_m = way_from_m(from.positions_m);
+  from.contact.time_s = path_.time_s(done_);
+  const std::vector<SolveWarning> passed =
+      passed_obstacles(parts_.body, parts_.workspace.newton.contact(), from.positions_m, from.contact,
+                       parts_.state.positions_m, parts_.state.contact);
+  for (const SolveWarning& warning : passed) add_warning(warning, noted_.passed);
   ways_.last_but_one_m = std::exchange(ways_.last_m, share > done_ ? way_m / (share - done_) : 0.0);
   done_ = share;
   ++stages_;
-  before_m_ = std::move(from_m);
+  before_m_ = std::move(from.positions_m);
   iterations_before_ = report_.iterations;
 }
 
@@ -161,7 +173,7 @@ RestFound Walk::try_stage(double share) {
     parts_.state = std::move(from);
     return RestFound::saddle;  // it went over one
   }
-  advance_to(share, std::move(from.positions_m));
+  advance_to(share, std::move(from));
   return found;
 }
 
@@ -175,13 +187,13 @@ Nudge Walk::softest_way() {
 void Walk::note_snap_from(const SimulationState& stable, const Nudge& nudge, double share) {
   const Snap snap = snap_between(stable.positions_m, parts_.state.positions_m, done_, nudge.other_side, parts_.body);
   if ((nudge.unstable || leapt(share, stable.positions_m)) && snap.moved_m > kLeastSnap * parts_.body.size_m())
-    snaps_.push_back(snap);
+    noted_.snaps.push_back(snap);
 }
 
 // Down to a stable shape; the state stays where there is none.
 bool Walk::fall_to(double share) {
   if (balloons_) return false;
-  const SimulationState stable = parts_.state;
+  SimulationState stable = parts_.state;
   const Ballooning ballooning(parts_);
   const Nudge nudge = softest_way();
   path_.go_to(share);
@@ -192,7 +204,7 @@ bool Walk::fall_to(double share) {
     return false;
   }
   note_snap_from(stable, nudge, share);
-  advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
+  advance_to(share, std::move(stable));
   return true;
 }
 
@@ -200,7 +212,7 @@ bool Walk::fall_to(double share) {
 // drive, from the last stable shape and a small way off it.
 bool Walk::lose_stability(double share) {
   if (balloons_) return false;
-  const SimulationState stable = parts_.state;
+  SimulationState stable = parts_.state;
   const Ballooning ballooning(parts_);
   const Nudge nudge = softest_way();
   path_.go_to(share);
@@ -211,7 +223,7 @@ bool Walk::lose_stability(double share) {
     return false;
   }
   note_snap_from(stable, nudge, share);
-  advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
+  advance_to(share, std::move(stable));
   return true;
 }
 
@@ -235,7 +247,7 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
     return true;
   }
   if (balloons_before(share)) return false;
-  if (cuttable(share) && snaps_.empty()) {
+  if (cuttable(share) && noted_.snaps.empty()) {
     stage = 0.5 * (share - done_);
     enter(SolveStage::halving, 1, report_.path);
     return true;
@@ -268,7 +280,7 @@ void Walk::begin_slowly(const SimulationState& start) {
   done_ = ways_.last_m = ways_.last_but_one_m = 0.0;
   before_m_ = start.positions_m;
   iterations_before_ = report_.iterations;
-  snaps_.clear();
+  noted_ = {};
 }
 
 void Walk::go_in_stages(int count) {
@@ -332,20 +344,23 @@ bool may_have_met_obstacles(const SimulationParts& parts, const SimulationState&
   });
 }
 
-// Whether commands moved the body past obstacles, so that its end may depend on the way.
+// Whether commands moved the body past obstacles, so that its end may depend on the way, or anything past some that are
+// so small that the way alone shows them.
 bool went_past_obstacles(const SimulationParts& parts, const SimulationState& from) {
   const auto& obstacles = parts.body.obstacles();
   if (obstacles.empty() || parts.workspace.newton.contact().free().count() > 0) return false;
   const Eigen::Matrix3Xd& to_m = parts.state.positions_m;
   const double way_m = (to_m - from.positions_m).colwise().norm().maxCoeff();
-  if (from.actuated_commands() == from.commands() || way_m <= kSmallWay * parts.body.size_m()) return false;
+  const bool counts =
+      from.actuated_commands() != from.commands() || may_pass_obstacles(parts.body, parts.workspace.newton.contact());
+  if (!counts || way_m <= kSmallWay * parts.body.size_m()) return false;
   return may_have_met_obstacles(parts, from);
 }
 
 struct Reached {
   double share;  // of the way
   int stages;
-  std::vector<Snap> snaps;
+  Noted noted;
 };
 
 // From the state as it is; in so many stages at least.
@@ -353,7 +368,7 @@ Reached walk_along(SimulationParts& parts, const EquilibriumOptions& options, in
   Walk walk(parts, options, report);
   if (stages > 1) walk.go_in_stages(stages);
   const double share = walk.go();
-  return {share, walk.stages(), walk.snaps()};
+  return {share, walk.stages(), walk.noted()};
 }
 
 // Until the end stays where it is. What friction holds, and on which side of an obstacle a body ends, hangs on the way.
@@ -380,7 +395,8 @@ void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options,
   if (!options.only_through_stable && reached.share == 1.0 && went_past_obstacles(parts, start))
     reached = walk_in_shorter_stages(parts, start, options, std::move(reached), report);
   if (reached.share < 1.0) report_unfinished(reached.share, report);
-  for (const Snap& snap : reached.snaps) note_snap(snap, report);
+  for (const Snap& snap : reached.noted.snaps) note_snap(snap, report);
+  for (const SolveWarning& passed : reached.noted.passed) add_warning(passed, report.warnings);
 }
 
 void note_free_motion(const std::string& of, const std::string& free, SolveReport& report) {

@@ -28,6 +28,7 @@ class RestPath {
   bool changes_loads() const { return loads_come_slowly() || changes_commands(); }
   // Whether a part of the way changes less.
   bool changes_in_stages() const { return changes_loads() || something_moves(); }
+  double time_s(double share) const { return share == 1.0 ? end_s_ : start_s_ + share * (end_s_ - start_s_); }
   // An obstacle or a hold.
   bool something_moves() const { return start_s_ != end_s_; }
   // How far what moves goes in a stage, an obstacle's centre or a held node at most.
@@ -38,8 +39,6 @@ class RestPath {
   double stage_end(double from, double to) const;
 
  private:
-  double time_s(double share) const { return share == 1.0 ? end_s_ : start_s_ + share * (end_s_ - start_s_); }
-
   SimulationParts& parts_;
   std::vector<double> commands_;
   double start_s_, end_s_;

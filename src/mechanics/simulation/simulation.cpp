@@ -8,6 +8,7 @@
 #include "equilibrium.h"
 #include "limit_hint.h"
 #include "mechanics/contact/coarse_contact.h"
+#include "mechanics/contact/passed_obstacles.h"
 #include "parameter_response.h"
 #include "rest.h"
 #include "simulation_parts.h"
@@ -112,12 +113,19 @@ SolveReport Simulation::timed(const std::function<void(SolveReport&)>& solve) {
 }
 
 SolveReport Simulation::step() {
-  return timed([this](SolveReport& report) {
+  const ContactTerm& contact = parts_->workspace.newton.contact();
+  const bool may_pass = may_pass_obstacles(body(), contact);
+  const SimulationState before = may_pass ? parts_->state : SimulationState();
+  return timed([&](SolveReport& report) {
     if (parts_->workspace.xpbd) {
       step_in_substeps(*parts_, report);
     } else {
       step_in_time(*parts_, parts_->options.time_step_s, report);
     }
+    if (!may_pass) return;
+    for (const SolveWarning& warning : passed_obstacles(body(), contact, before.positions_m, before.contact,
+                                                        parts_->state.positions_m, parts_->state.contact))
+      add_warning(warning, report.warnings);
   });
 }
 

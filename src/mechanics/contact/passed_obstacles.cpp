@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "passed_obstacles.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <sstream>
+#include <variant>
+
+#include "coarse_contact.h"
+#include "mechanics/body/free_obstacles.h"
+#include "mechanics/body/gap.h"
+#include "mechanics/mesh/shape_functions.h"
+#include "present_faces.h"
+#include "settings/point_text.h"
+#include "swept_obstacles.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kUnseen = 0.5;   // of a face: an obstacle of that half least extent meets a contact point
+constexpr double kPassed = 0.5;   // of an obstacle's half least extent: a depth that is a passage
+constexpr double kFine = 0.35;    // likewise: a part of a face whose middle stands for all of it
+constexpr double kNear = 0.05;    // likewise: of conservative advancement
+constexpr double kBulge = 1.25;   // times its corners' distance from its middle: how far a part of a face reaches
+constexpr int kFinestParts = 16;  // times that a face is halved: smaller ones are no obstacles
+
+// A face on its straight way, beside an obstacle that stands as its shape says.
+class FaceWay {
+ public:
+  FaceWay(const ObstacleShape& shape, FaceNodes from_m, const FaceNodes& to_m)
+      : shape_(shape), size_m_(size_m(shape)), from_m_(std::move(from_m)), way_m_(to_m - from_m_) {}
+
+  // A place of the skin where it goes through the obstacle.
+  std::optional<Eigen::Vector3d> passage_m() const {
+    return passage_in({{Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)}}, 0);
+  }
+
+ private:
+  using Corners = std::array<Eigen::Vector2d, 3>;  // (r, s) of a part of the face
+
+  struct Point {
+    Eigen::Vector3d from_m, way_m;
+  };
+  Point at(const Eigen::Vector2d& place) const {
+    const auto values = face_shape(from_m_.cols(), place[0], place[1]).values;
+    return {from_m_ * values, way_m_ * values};
+  }
+
+  std::optional<double> until(const Point& point, double depth_m) const {
+    if (point.way_m.squaredNorm() == 0.0) return std::nullopt;
+    const double part =
+        part_until(shape_, Eigen::Isometry3d::Identity(), point.from_m, point.way_m, depth_m, kNear * size_m_);
+    return part < 1.0 ? std::optional(part) : std::nullopt;
+  }
+
+  std::optional<Eigen::Vector3d> passage_in(const Corners& corners, int depth) const;
+
+  const ObstacleShape& shape_;
+  double size_m_;
+  FaceNodes from_m_, way_m_;
+};
+
+// What a part reaches at either end of the way it reaches nowhere more on it.
+std::optional<Eigen::Vector3d> FaceWay::passage_in(const Corners& corners, int depth) const {
+  const Point middle = at((corners[0] + corners[1] + corners[2]) / 3.0);
+  double reach_m = 0.0;
+  for (const Eigen::Vector2d& corner : corners) {
+    const Point point = at(corner);
+    const Eigen::Vector3d beside_m = point.from_m - middle.from_m;
+    reach_m = std::max({reach_m, beside_m.norm(), (beside_m + point.way_m - middle.way_m).norm()});
+  }
+  if (!until(middle, -kBulge * reach_m)) return std::nullopt;
+  if (reach_m <= kFine * size_m_ || depth == kFinestParts) {
+    const std::optional<double> part = until(middle, kPassed * size_m_);
+    if (!part) return std::nullopt;
+    return Eigen::Vector3d(middle.from_m + *part * middle.way_m);
+  }
+  const Eigen::Vector2d a = 0.5 * (corners[1] + corners[2]), b = 0.5 * (corners[2] + corners[0]),
+                        c = 0.5 * (corners[0] + corners[1]);
+  for (const Corners& part :
+       {Corners{corners[0], c, b}, Corners{c, corners[1], a}, Corners{b, a, corners[2]}, Corners{a, b, c}})
+    if (const auto found_m = passage_in(part, depth + 1)) return found_m;
+  return std::nullopt;
+}
+
+// As an obstacle sees it that stands as its shape says.
+FaceNodes beside(const Eigen::Isometry3d& pose, const FaceNodes& face_m) {
+  return (pose.inverse().linear() * face_m).colwise() + pose.inverse().translation();
+}
+
+SolveWarning warning_of(const Obstacle& obstacle, double face_size_m, const Eigen::Vector3d& at_m) {
+  std::ostringstream why;
+  why << "went through the skin between its contact points, at " << point_text(at_m) << ": it is too small for them";
+  const double size = size_m(obstacle.shape);
+  return coarse_contact_warning(obstacle, size, "m", why.str(), std::min(size, 0.5 * face_size_m));
+}
+
+}  // namespace
+
+bool may_pass_obstacles(const Body& body, const ContactTerm& contact) {
+  if (contact.points().count() == 0) return false;
+  return std::any_of(body.obstacles().begin(), body.obstacles().end(), [&](const Obstacle& obstacle) {
+    return !std::holds_alternative<Plane>(obstacle.shape) &&
+           size_m(obstacle.shape) < kUnseen * contact.points().largest_face_size_m();
+  });
+}
+
+std::vector<SolveWarning> passed_obstacles(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& from_m,
+                                           const ContactState& from, const Eigen::Matrix3Xd& to_m,
+                                           const ContactState& to) {
+  std::vector<SolveWarning> warnings;
+  if (!may_pass_obstacles(body, contact)) return warnings;
+  const ContactPoints& points = contact.points();
+  for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
+    const Obstacle& obstacle = body.obstacles()[i];
+    if (std::holds_alternative<Plane>(obstacle.shape)) continue;
+    const Eigen::Isometry3d start = contact.pose_of(static_cast<int>(i), from),
+                            end = contact.pose_of(static_cast<int>(i), to);
+    for (int face = 0; face < points.face_count(); ++face) {
+      const double face_size_m = points.face_size_m(points.first_point(face));
+      if (size_m(obstacle.shape) >= kUnseen * face_size_m) continue;
+      const FaceWay way(obstacle.shape, beside(start, nodes_of(points.faces(), face, from_m)),
+                        beside(end, nodes_of(points.faces(), face, to_m)));
+      if (const auto at_m = way.passage_m()) {
+        warnings.push_back(warning_of(obstacle, face_size_m, end * *at_m));
+        break;
+      }
+    }
+  }
+  return warnings;
+}
+
+}  // namespace soft_robot_lab

@@ -18,9 +18,11 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kUnseen = 0.5;   // of a face: an obstacle of that half least extent meets a contact point
+constexpr double kUnseen = 0.5;   // of a face: an obstacle of less half least extent is small
 constexpr double kPassed = 0.5;   // of an obstacle's half least extent: a depth that is a passage
-constexpr double kFine = 0.35;    // likewise: a part of a face whose middle stands for all of it
+constexpr double kBow = 0.25;     // of a way: how far a bent one may be from a straight one, at a turn of 1.8 rad
+constexpr double kFine = 0.35;    // of an obstacle's half least extent: a part of a face that its middle stands for,
+constexpr double kFinest = 0.1;   // and where it may be grazed
 constexpr double kNear = 0.05;    // likewise: of conservative advancement
 constexpr double kBulge = 1.25;   // times its corners' distance from its middle: how far a part of a face reaches
 constexpr int kFinestParts = 16;  // times that a face is halved: smaller ones are no obstacles
@@ -28,10 +30,14 @@ constexpr int kFinestParts = 16;  // times that a face is halved: smaller ones a
 // A face on its straight way, beside an obstacle that stands as its shape says.
 class FaceWay {
  public:
-  FaceWay(const ObstacleShape& shape, FaceNodes from_m, const FaceNodes& to_m)
-      : shape_(shape), size_m_(size_m(shape)), from_m_(std::move(from_m)), way_m_(to_m - from_m_) {}
+  // `grazes`: also where only a bent way would lead into it.
+  FaceWay(const ObstacleShape& shape, bool grazes, FaceNodes from_m, const FaceNodes& to_m)
+      : shape_(shape), size_m_(size_m(shape)), grazes_(grazes), from_m_(std::move(from_m)), way_m_(to_m - from_m_) {
+    if (grazes_) deep_m_ = -kBow * way_m_.colwise().norm().maxCoeff();
+    fine_m_ = grazes_ ? std::max(kFinest * size_m_, -0.5 * deep_m_) : kFine * size_m_;
+  }
 
-  // A place of the skin where it goes through the obstacle.
+  // A place of the skin where it goes through the obstacle, but for where it was before.
   std::optional<Eigen::Vector3d> passage_m() const {
     return passage_in({{Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)}}, 0);
   }
@@ -57,7 +63,8 @@ class FaceWay {
   std::optional<Eigen::Vector3d> passage_in(const Corners& corners, int depth) const;
 
   const ObstacleShape& shape_;
-  double size_m_;
+  double size_m_, deep_m_ = kPassed * size_m_, fine_m_ = 0.0;
+  bool grazes_;
   FaceNodes from_m_, way_m_;
 };
 
@@ -70,9 +77,10 @@ std::optional<Eigen::Vector3d> FaceWay::passage_in(const Corners& corners, int d
     const Eigen::Vector3d beside_m = point.from_m - middle.from_m;
     reach_m = std::max({reach_m, beside_m.norm(), (beside_m + point.way_m - middle.way_m).norm()});
   }
-  if (!until(middle, -kBulge * reach_m)) return std::nullopt;
-  if (reach_m <= kFine * size_m_ || depth == kFinestParts) {
-    const std::optional<double> part = until(middle, kPassed * size_m_);
+  if (!until(middle, std::min(deep_m_, 0.0) - kBulge * reach_m)) return std::nullopt;
+  if (reach_m <= fine_m_ || depth == kFinestParts) {
+    const bool was_deep = !grazes_ && gap_to(shape_, middle.from_m).gap_m <= -deep_m_;
+    const std::optional<double> part = was_deep ? std::nullopt : until(middle, deep_m_);
     if (!part) return std::nullopt;
     return Eigen::Vector3d(middle.from_m + *part * middle.way_m);
   }
@@ -89,16 +97,21 @@ FaceNodes beside(const Eigen::Isometry3d& pose, const FaceNodes& face_m) {
   return (pose.inverse().linear() * face_m).colwise() + pose.inverse().translation();
 }
 
+bool touched(const ContactTerm& contact, std::size_t obstacle, const ContactState& state) {
+  const Eigen::Index points = contact.points().count();
+  return (state.pressures_pa.segment(static_cast<Eigen::Index>(obstacle) * points, points).array() > 0.0).any();
+}
+
 SolveWarning warning_of(const Obstacle& obstacle, double face_size_m, const Eigen::Vector3d& at_m) {
   std::ostringstream why;
-  why << "went through the skin between its contact points, at " << point_text(at_m) << ": it is too small for them";
+  why << "went through the skin between its contact points, at " << point_text(at_m);
   const double size = size_m(obstacle.shape);
-  return coarse_contact_warning(obstacle, size, "m", why.str(), std::min(size, 0.5 * face_size_m));
+  return coarse_contact_warning(obstacle, size, "m", why.str(), std::min(size, kUnseen * face_size_m));
 }
 
 }  // namespace
 
-bool may_pass_obstacles(const Body& body, const ContactTerm& contact) {
+bool has_small_obstacles(const Body& body, const ContactTerm& contact) {
   if (contact.points().count() == 0) return false;
   return std::any_of(body.obstacles().begin(), body.obstacles().end(), [&](const Obstacle& obstacle) {
     return !std::holds_alternative<Plane>(obstacle.shape) &&
@@ -106,22 +119,22 @@ bool may_pass_obstacles(const Body& body, const ContactTerm& contact) {
   });
 }
 
-std::vector<SolveWarning> passed_obstacles(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& from_m,
-                                           const ContactState& from, const Eigen::Matrix3Xd& to_m,
-                                           const ContactState& to) {
+std::vector<SolveWarning> passed_obstacles(const Body& body, const ContactTerm& contact, const BodyPlace& from,
+                                           const BodyPlace& to, PassedSizes sizes) {
   std::vector<SolveWarning> warnings;
-  if (!may_pass_obstacles(body, contact)) return warnings;
   const ContactPoints& points = contact.points();
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];
     if (std::holds_alternative<Plane>(obstacle.shape)) continue;
-    const Eigen::Isometry3d start = contact.pose_of(static_cast<int>(i), from),
-                            end = contact.pose_of(static_cast<int>(i), to);
+    const Eigen::Isometry3d start = contact.pose_of(static_cast<int>(i), from.contact),
+                            end = contact.pose_of(static_cast<int>(i), to.contact);
+    const bool grazes =
+        sizes == PassedSizes::any && !touched(contact, i, from.contact) && !touched(contact, i, to.contact);
     for (int face = 0; face < points.face_count(); ++face) {
       const double face_size_m = points.face_size_m(points.first_point(face));
-      if (size_m(obstacle.shape) >= kUnseen * face_size_m) continue;
-      const FaceWay way(obstacle.shape, beside(start, nodes_of(points.faces(), face, from_m)),
-                        beside(end, nodes_of(points.faces(), face, to_m)));
+      if (sizes == PassedSizes::small && size_m(obstacle.shape) >= kUnseen * face_size_m) continue;
+      const FaceWay way(obstacle.shape, grazes, beside(start, nodes_of(points.faces(), face, from.positions_m)),
+                        beside(end, nodes_of(points.faces(), face, to.positions_m)));
       if (const auto at_m = way.passage_m()) {
         warnings.push_back(warning_of(obstacle, face_size_m, end * *at_m));
         break;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Obstacles that are so small beside the faces of the skin that they may slip through between its contact points.
+// Obstacles that skin goes through: between its contact points, or where a step is longer than they are large.
 #pragma once
 
 #include <vector>
@@ -12,14 +12,24 @@
 
 namespace soft_robot_lab {
 
-// Whether there are any: with a half least extent of less than half of the largest face. Points that are so near to one
-// another meet what is larger.
-bool may_pass_obstacles(const Body& body, const ContactTerm& contact);
+// Which obstacles are looked at.
+enum class PassedSizes {
+  small,  // of a half least extent of less than half of a face: points of larger faces may all miss them
+  any
+};
+
+// Whether there are small ones.
+bool has_small_obstacles(const Body& body, const ContactTerm& contact);
+
+// Where a body is, and what it meets there.
+struct BodyPlace {
+  const Eigen::Matrix3Xd& positions_m;
+  const ContactState& contact;
+};
 
 // A warning `coarse_contact` for each of them that a face took more than half way through itself, where its nodes go
 // straight from one place to another beside the obstacle. Its size is the obstacle's half least extent [m].
-std::vector<SolveWarning> passed_obstacles(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& from_m,
-                                           const ContactState& from, const Eigen::Matrix3Xd& to_m,
-                                           const ContactState& to);
+std::vector<SolveWarning> passed_obstacles(const Body& body, const ContactTerm& contact, const BodyPlace& from,
+                                           const BodyPlace& to, PassedSizes sizes);
 
 }  // namespace soft_robot_lab

@@ -8,7 +8,7 @@
 namespace soft_robot_lab {
 
 // What a search for a rest state found: one that is a minimum of the energy, one that is not, or none.
-enum class RestFound { stable, saddle, none };
+enum class RestFound { stable, saddle, none, beyond };  // the last: on a way that may be too far for one stage
 
 // Newton alone. Only a stable rest state becomes the state; else it stays as it was.
 RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {});

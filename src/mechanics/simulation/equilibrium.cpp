@@ -84,6 +84,8 @@ class Walk {
   bool balloons_before(double share);
   bool go_on_from(double share, RestFound found, double& stage);
   bool go_on_under_loads(double share);  // that come slowly
+  std::vector<SolveWarning> passed_since(SimulationState& from, PassedSizes sizes) const;
+  bool passed_too_fast(double share, const SimulationState& from);
   void advance_to(double share, SimulationState&& from);
 
   // How far the shape went in the two stages before, as for all of the way [m].
@@ -107,13 +109,25 @@ class Walk {
   Noted noted_;
 };
 
+// Obstacles, on the stage from there, which ends here.
+std::vector<SolveWarning> Walk::passed_since(SimulationState& from, PassedSizes sizes) const {
+  from.contact.time_s = path_.time_s(done_);
+  return passed_obstacles(parts_.body, parts_.workspace.newton.contact(), {from.positions_m, from.contact},
+                          {parts_.state.positions_m, parts_.state.contact}, sizes);
+}
+
+// Whether a stage that went through an obstacle may be shorter; the state is then that before it.
+bool Walk::passed_too_fast(double share, const SimulationState& from) {
+  if (options_.only_through_stable || !noted_.snaps.empty()) return false;
+  SimulationState here = std::exchange(parts_.state, from);
+  if (cuttable(share) || (done_ == 0.0 && path_.bring_loads_slowly())) return true;
+  parts_.state = std::move(here);
+  return false;
+}
+
 void Walk::advance_to(double share, SimulationState&& from) {
   const double way_m = way_from_m(from.positions_m);
-  from.contact.time_s = path_.time_s(done_);
-  const std::vector<SolveWarning> passed =
-      passed_obstacles(parts_.body, parts_.workspace.newton.contact(), from.positions_m, from.contact,
-                       parts_.state.positions_m, parts_.state.contact);
-  for (const SolveWarning& warning : passed) add_warning(warning, noted_.passed);
+  for (const SolveWarning& warning : passed_since(from, PassedSizes::small)) add_warning(warning, noted_.passed);
   ways_.last_but_one_m = std::exchange(ways_.last_m, share > done_ ? way_m / (share - done_) : 0.0);
   done_ = share;
   ++stages_;
@@ -173,6 +187,7 @@ RestFound Walk::try_stage(double share) {
     parts_.state = std::move(from);
     return RestFound::saddle;  // it went over one
   }
+  if (!passed_since(from, PassedSizes::any).empty() && passed_too_fast(share, from)) return RestFound::beyond;
   advance_to(share, std::move(from));
   return found;
 }
@@ -302,6 +317,8 @@ double Walk::go() {
       begin_slowly(start);
     } else if (found == RestFound::stable) {
       if (share == wanted) stage = std::max(stage, 2.0 * (share - from));
+    } else if (found == RestFound::beyond) {
+      stage = 0.5 * (share - from);
     } else if (options_.only_through_stable || !go_on_from(share, found, stage)) {
       break;
     }
@@ -344,16 +361,13 @@ bool may_have_met_obstacles(const SimulationParts& parts, const SimulationState&
   });
 }
 
-// Whether commands moved the body past obstacles, so that its end may depend on the way, or anything past some that are
-// so small that the way alone shows them.
+// Whether commands moved the body past obstacles, so that its end may depend on the way.
 bool went_past_obstacles(const SimulationParts& parts, const SimulationState& from) {
   const auto& obstacles = parts.body.obstacles();
   if (obstacles.empty() || parts.workspace.newton.contact().free().count() > 0) return false;
   const Eigen::Matrix3Xd& to_m = parts.state.positions_m;
   const double way_m = (to_m - from.positions_m).colwise().norm().maxCoeff();
-  const bool counts =
-      from.actuated_commands() != from.commands() || may_pass_obstacles(parts.body, parts.workspace.newton.contact());
-  if (!counts || way_m <= kSmallWay * parts.body.size_m()) return false;
+  if (from.actuated_commands() == from.commands() || way_m <= kSmallWay * parts.body.size_m()) return false;
   return may_have_met_obstacles(parts, from);
 }
 

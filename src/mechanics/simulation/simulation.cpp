@@ -114,7 +114,7 @@ SolveReport Simulation::timed(const std::function<void(SolveReport&)>& solve) {
 
 SolveReport Simulation::step() {
   const ContactTerm& contact = parts_->workspace.newton.contact();
-  const bool may_pass = may_pass_obstacles(body(), contact);
+  const bool may_pass = has_small_obstacles(body(), contact);
   const SimulationState before = may_pass ? parts_->state : SimulationState();
   return timed([&](SolveReport& report) {
     if (parts_->workspace.xpbd) {
@@ -123,9 +123,10 @@ SolveReport Simulation::step() {
       step_in_time(*parts_, parts_->options.time_step_s, report);
     }
     if (!may_pass) return;
-    for (const SolveWarning& warning : passed_obstacles(body(), contact, before.positions_m, before.contact,
-                                                        parts_->state.positions_m, parts_->state.contact))
-      add_warning(warning, report.warnings);
+    const std::vector<SolveWarning> passed =
+        passed_obstacles(body(), contact, {before.positions_m, before.contact},
+                         {parts_->state.positions_m, parts_->state.contact}, PassedSizes::small);
+    for (const SolveWarning& warning : passed) add_warning(warning, report.warnings);
   });
 }
 

@@ -19,11 +19,13 @@ std::string trimmed(const std::string& text) {
 std::vector<std::string> csv_cells(const std::string& line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
+  std::size_t opened = 0;  // in the last cell
   const std::size_t start = line.rfind(kByteOrderMark, 0) == 0 ? kByteOrderMark.size() : 0;
   for (std::size_t i = start; i < line.size(); ++i) {
     const bool doubled = quoted && line.compare(i, 2, "\"\"") == 0;
     if (line[i] == '"' && !doubled) {
       quoted = !quoted;
+      opened = cells.back().size();
     } else if (line[i] == ',' && !quoted) {
       cells.emplace_back();
     } else {
@@ -31,6 +33,7 @@ std::vector<std::string> csv_cells(const std::string& line) {
       if (doubled) ++i;
     }
   }
+  if (quoted) cells.back().insert(opened, "\"");  // it opens nothing
   for (std::string& cell : cells) cell = trimmed(cell);
   return cells;
 }

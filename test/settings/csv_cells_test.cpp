@@ -24,5 +24,11 @@ TEST(CsvCells, MayHoldCommasAndQuotesInQuotes) {
   EXPECT_EQ(csv_cells(R"("said ""no""",2)"), (Cells{R"(said "no")", "2"}));
 }
 
+// A damaged line's number is none.
+TEST(CsvCells, KeepAQuoteThatNothingCloses) {
+  EXPECT_EQ(csv_cells(R"(0,"1)"), (Cells{"0", R"("1)"}));
+  EXPECT_EQ(csv_cells(R"("a"b"c,2)"), (Cells{R"(ab"c,2)"}));
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

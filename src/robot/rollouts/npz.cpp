@@ -115,6 +115,7 @@ Directory directory_of(const std::string& bytes) {
 std::string value_of(const std::string& header, const std::string& key, const char* ends) {
   const std::size_t at = header.find("'" + key + "':");
   expect(at != std::string::npos, "an array's header has no " + key);
+  expect(header.find("'" + key + "':", at + 1) == std::string::npos, "an array's header has " + key + " twice");
   const std::size_t from = header.find_first_not_of(' ', at + key.size() + 3);
   const std::size_t to = from == std::string::npos ? from : header.find_first_of(ends, from + 1);
   expect(to != std::string::npos, "an array's header has no end of " + key);
@@ -142,7 +143,10 @@ std::size_t entry_bytes(const std::string& type) {
 
 NpzArray array_from(const std::string& name, const std::string& bytes) {
   expect(bytes.compare(0, kMagic.size(), kMagic) == 0, name + " is no array");
-  const bool first = get(bytes, 6, 1) == 1;
+  const std::uint64_t version = get(bytes, 6, 1);
+  expect(version >= 1 && version <= 3,
+         name + " is of version " + std::to_string(version) + " of NumPy's format, must be 1, 2 or 3");
+  const bool first = version == 1;
   const std::size_t start = first ? 10 : 12, length = get(bytes, 8, first ? 2 : 4);
   const std::string header = part(bytes, start, length);
   expect(value_of(header, "fortran_order", ",}") == "False", name + " is in Fortran's order; save a.copy(order='C')");
@@ -153,6 +157,7 @@ NpzArray array_from(const std::string& name, const std::string& bytes) {
     size *= along;
   }
   array.bytes = part(bytes, start + length, size);
+  expect(start + length + size == bytes.size(), name + " holds more numbers than its shape says");
   return array;
 }
 
@@ -232,6 +237,7 @@ Row row_at(const std::string& bytes, std::size_t at) {
   Row row{part(bytes, at + kRowHeader, name_size), start, 0, get(bytes, at + 24, 4), 0, 0};
   row.checksum = static_cast<std::uint32_t>(get(bytes, at + 16, 4));
   row.next = at + kRowHeader + name_size + get(bytes, at + 30, 2) + get(bytes, at + 32, 2);
+  expect(get(bytes, at + 8, 1) % 2 == 0, row.name + " is encrypted");
   expect(get(bytes, at + 10, 2) == 0, row.name + " is compressed; write it by numpy.savez");
   expect(get(bytes, start, 4) == kFile, "its directory is broken");
   row.content = start + kFileHeader + get(bytes, start + 26, 2) + get(bytes, start + 28, 2);
@@ -253,6 +259,11 @@ void require_apart(const std::vector<Row>& rows, std::size_t directory) {
   }
 }
 
+std::string without_ending(std::string name) {
+  if (name.size() > 4 && name.substr(name.size() - 4) == ".npy") name.resize(name.size() - 4);
+  return name;
+}
+
 std::vector<Row> rows_of(const std::string& bytes) {
   const Directory directory = directory_of(bytes);
   std::vector<Row> rows;
@@ -260,17 +271,12 @@ std::vector<Row> rows_of(const std::string& bytes) {
   std::size_t at = directory.start;
   for (std::size_t i = 0; i < directory.rows; ++i) {
     rows.push_back(row_at(bytes, at));
-    expect(names.insert(rows.back().name).second, rows.back().name + " stands twice in the directory");
+    expect(names.insert(without_ending(rows.back().name)).second, rows.back().name + " stands twice in the directory");
     at = rows.back().next;
   }
   expect(get(bytes, at, 4) == kEnd, "its directory has another number of arrays than it says");
   require_apart(rows, directory.start);
   return rows;
-}
-
-std::string without_ending(std::string name) {
-  if (name.size() > 4 && name.substr(name.size() - 4) == ".npy") name.resize(name.size() - 4);
-  return name;
 }
 
 }  // namespace

@@ -69,6 +69,30 @@ TEST(Npz, NamesWhatItDoesNotRead) {
   std::string compressed = archive();
   compressed[compressed.rfind("PK\x01\x02") + 10] = 8;
   EXPECT_NE(refusal(compressed).find("compressed"), std::string::npos);
+  std::string encrypted = archive();
+  encrypted[encrypted.rfind("PK\x01\x02") + 8] |= 1;
+  EXPECT_NE(refusal(encrypted).find("encrypted"), std::string::npos);
+  EXPECT_EQ(with("NUMPY\x01", "NUMPY\x09"), "npz: a is of version 9 of NumPy's format, must be 1, 2 or 3");
+  EXPECT_EQ(with("'shape': (2, 2, )", "'shape': (2, 1, )"), "npz: a holds more numbers than its shape says");
+  EXPECT_EQ(with("(2, 2, ), }" + std::string(17, ' '), "(2, 2, ), 'shape': (4, ), }" + std::string(1, ' ')),
+            "npz: an array's header has shape twice");
+}
+
+// NumPy calls both the file b.npy and the file b by the name b.
+TEST(Npz, RefusesTwoArraysOfOneName) {
+  std::string bytes = npz({numbers_array("b", {2}, {1, 2}), numbers_array("b2345", {2}, {3, 4})});
+  const auto rename = [&](std::size_t name_size_at, std::size_t name_at) {
+    bytes[name_size_at] = 1;
+    bytes.erase(name_at + 1, 8);
+  };
+  const std::size_t file = bytes.rfind("PK\x03\x04");
+  rename(file + 26, file + 30);
+  const std::size_t row = bytes.rfind("PK\x01\x02"), directory = bytes.find("PK\x01\x02");
+  rename(row + 28, row + 46);
+  const std::size_t end = bytes.rfind("PK\x05\x06");
+  bytes[end + 16] = static_cast<char>(directory & 0xff);
+  bytes[end + 17] = static_cast<char>(directory >> 8);
+  EXPECT_EQ(refusal(bytes), "npz: b stands twice in the directory");
 }
 
 TEST(Npz, RefusesADamagedArray) {

@@ -248,9 +248,24 @@ TEST(Poses, SurviveTheFileTheyAreKeptIn) {
   EXPECT_EQ(again.policy(again.names()[0], rows(1, 1), 1.0).steps[0].values[1], 1.0 / 0.9);
 }
 
+// A scene may call a cable so.
+TEST(Poses, KeepActuatorsOfAnyName) {
+  for (const std::string name :
+       {"my cable", "a=b", "@left", "a:b", "50%41", "%", "gr\u00f6\u00dfe \u6f22", "a|b#c, d"}) {
+    std::vector<ActuatorRow> named = rows(0.9, 1.1);
+    named[0].name = name;
+    Poses poses, again;
+    poses.store("bent", named);
+    again.read(poses.text());
+    const Policy policy = again.policy("bent", named, 1.0);
+    EXPECT_EQ(policy.names, (std::vector<std::string>{name, "right"})) << poses.text();
+    EXPECT_EQ(policy.steps[0].values, (std::vector<double>{0.9, 1.1})) << poses.text();
+  }
+}
+
 TEST(Poses, LeaveOutLinesThatCannotBeRead) {
   Poses poses;
-  poses.read("good: left=0.9\nbad\n: left=1\nworse: left=fast\nnone: left=nan\n");
+  poses.read("good: left=0.9\nbad\n: left=1\nworse: left=fast\nnone: left=nan\ncut: left=0.9e\nlong: left=0.9x\n");
   EXPECT_EQ(poses.names(), std::vector<std::string>{"good"});
 }
 

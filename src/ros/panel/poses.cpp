@@ -2,14 +2,17 @@
 #include "poses.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 
 #include "settings/read_file.h"
+#include "settings/words.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/robot/scene/scene_file.h"
 
@@ -23,13 +26,13 @@ std::string plain(std::string name) {
   return name;
 }
 
-// A path as one word without what separates others.
+// A path or a name as one word without what separates others.
 std::string encoded(const std::string& path) {
   static const char* digits = "0123456789abcdef";
   std::string word;
   for (const char c : path) {
     const auto byte = static_cast<unsigned char>(c);
-    if (byte > ' ' && byte != 0x7f && c != '%' && c != '|' && c != '=') {
+    if (byte > ' ' && byte != 0x7f && c != '%' && c != '|' && c != '=' && c != '@') {
       word += c;
     } else {
       word += {'%', digits[byte / 16], digits[byte % 16]};
@@ -41,12 +44,10 @@ std::string encoded(const std::string& path) {
 std::string decoded(const std::string& word) {
   std::string path;
   for (std::size_t i = 0; i < word.size(); ++i) {
-    if (word[i] != '%' || i + 2 >= word.size()) {
-      path += word[i];
-      continue;
-    }
-    path += static_cast<char>(std::strtol(word.substr(i + 1, 2).c_str(), nullptr, 16));
-    i += 2;
+    const bool code = word[i] == '%' && i + 2 < word.size() && std::isxdigit(static_cast<unsigned char>(word[i + 1])) &&
+                      std::isxdigit(static_cast<unsigned char>(word[i + 2]));
+    path += code ? static_cast<char>(std::strtol(word.substr(i + 1, 2).c_str(), nullptr, 16)) : word[i];
+    if (code) i += 2;
   }
   return path;
 }
@@ -63,9 +64,9 @@ std::map<std::string, double> values_of(const std::string& text) {
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     const std::size_t equals = word.find('=');
-    std::istringstream number(equals == std::string::npos ? "" : word.substr(equals + 1));
-    double value = 0.0;
-    if (equals > 0 && word[0] != '@' && number >> value && std::isfinite(value)) values[word.substr(0, equals)] = value;
+    if (equals == std::string::npos || equals == 0 || word[0] == '@') continue;
+    const std::optional<double> value = parse_number<double>(word.substr(equals + 1));
+    if (value && std::isfinite(*value)) values[decoded(word.substr(0, equals))] = *value;
   }
   return values;
 }
@@ -128,7 +129,7 @@ std::string Poses::text() const {
   for (const auto& [of, values] : poses_) {
     text << of.second << ":";
     if (!of.first.empty()) text << " @=" << encoded(of.first);
-    for (const auto& [actuator, value] : values) text << " " << actuator << "=" << value;
+    for (const auto& [actuator, value] : values) text << " " << encoded(actuator) << "=" << value;
     text << "\n";
   }
   return text.str();

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <set>
 #include <system_error>
 #include <tuple>
 #include <type_traits>
@@ -18,6 +19,7 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "kept_files.h"
 #include "limits.h"
 #include "words.h"
 #include "written_options.h"
@@ -26,6 +28,7 @@ namespace soft_robot_lab {
 namespace {
 
 using Ranges = std::vector<std::tuple<std::string, double, double>>;
+constexpr const char* kRangesTypeName = "NAME MIN MAX";
 
 void list_options(const CLI::App& app, std::vector<const CLI::Option*>& all) {
   for (const CLI::Option* option : app.get_options()) all.push_back(option);
@@ -37,6 +40,18 @@ std::string unexpected(const CLI::App& app, const CLI::ExtrasError& error) {
   for (const std::string& word : app.remaining())
     if (word.size() > 1 && word[0] == '-') return "unknown option " + word;
   return error.what();
+}
+
+// Of a list whose words are each well.
+std::string unconverted(const std::string& what) {
+  const std::string start = "Could not convert: ";
+  const std::size_t is = what.find(" = ");
+  if (what.rfind(start, 0) != 0 || is == std::string::npos) return what;
+  return what.substr(start.size(), is - start.size()) + ": '" + what.substr(is + 3) + "' is not what it takes";
+}
+
+std::string is_none(const std::string& word, bool whole) {
+  return "'" + word + "' is no " + (whole ? "whole " : "") + "number";
 }
 
 // What is mistyped matters more than what is missing for it.
@@ -58,27 +73,6 @@ int refuse_arguments(const CLI::App& app, const std::string& why) {
   return kFailed;
 }
 
-// The reader of JSON names itself and its number for the error first.
-std::string without_library(const std::string& what) {
-  const std::string library = "[json.exception.";
-  const std::size_t start = what.find(library), end = what.find("] ", start);
-  if (start == std::string::npos || end == std::string::npos) return what;
-  const bool text = what.find("type_error.316", start) == start + library.size();
-  return what.substr(0, start) + (text ? "a text is not UTF-8: " : "not the JSON that is expected: ") +
-         what.substr(end + 2);
-}
-
-namespace fs = std::filesystem;
-
-// As files are written: folders on the way need not be there, where `..` leads out of them again.
-bool is_same_file(const std::string& one, const std::string& other) {
-  std::error_code ignored;
-  const fs::path first = fs::weakly_canonical(one, ignored), second = fs::weakly_canonical(other, ignored);
-  if (fs::exists(first, ignored) && fs::exists(second, ignored))
-    return fs::equivalent(first, second, ignored) && !fs::is_other(first, ignored);  // /dev/null may be named twice
-  return first == second;
-}
-
 // What is written must be no other file that is named: a result would take the place of its scene. Empty, or the
 // reason.
 std::string written_over(const CLI::App& app) {
@@ -87,13 +81,50 @@ std::string written_over(const CLI::App& app) {
   for (const CLI::Option* written : all) {
     const std::string name = written->get_name();
     if (!is_written_option(name)) continue;
-    for (const std::string& file : written->results())
+    for (const std::string& file : written->results()) {
+      if (file.empty()) return name + ": is empty, must name what is written";
       for (const CLI::Option* other : all)
         for (const std::string& word : other != written ? other->results() : std::vector<std::string>{})
-          if (!file.empty() && !word.empty() && is_same_file(file, word))
+          if (!word.empty() && is_same_file(file, word))
             return name + ": " + file + " would be written over " + other->get_name() + "; give it a file of its own";
+    }
   }
   return "";
+}
+
+// Of lists of ranges, each a name and two numbers. Of two with a name the last one would have been taken. Empty, or the
+// reason.
+std::string fault_of_ranges(const CLI::App& app) {
+  std::vector<const CLI::Option*> all;
+  list_options(app, all);
+  for (const CLI::Option* option : all) {
+    if (option->get_type_name() != kRangesTypeName) continue;
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < option->results().size(); ++i) {
+      const std::string& word = option->results()[i];
+      if (i % 3 != 0 && !parse_number<double>(word)) return option->get_name() + ": " + is_none(word, false);
+      if (i % 3 == 0 && !names.insert(word).second) return option->get_name() + ": '" + word + "' is named twice";
+    }
+  }
+  return "";
+}
+
+// What is named here and in settings files must not be written over later, either.
+void keep_named_files(const CLI::App& app) {
+  std::vector<const CLI::Option*> all;
+  list_options(app, all);
+  std::vector<OutputName> outputs;
+  std::vector<std::string> read;
+  for (const CLI::Option* option : all)
+    for (const std::string& word : option->results()) {
+      std::error_code ignored;
+      if (is_written_option(option->get_name()))
+        outputs.push_back({option->get_name(), word});
+      else if (std::filesystem::is_regular_file(word, ignored))
+        read.push_back(word);
+    }
+  set_outputs(std::move(outputs));
+  for (const std::string& file : read) keep_file(file);
 }
 
 struct Largest {
@@ -110,20 +141,26 @@ Largest largest_of(const std::string& type_name) {
   return found == largest.end() ? Largest{limits::kNumber, ""} : found->second;
 }
 
-// Of each number that is given; NaN is in no range. Words that are no numbers are left to their reader.
+bool is_whole(const std::string& word) {
+  const std::size_t first = word.find_first_not_of("+-");
+  return first <= 1 && word.find_first_not_of("0123456789", first) == std::string::npos;
+}
+
+// Of each number that is given; NaN is in no range. CLI11 would take blanks before a number and hexadecimals, which
+// parse_number does not, and nothing at all for zero.
 template <class Value>
 void limit_numbers(CLI::Option* option) {
-  using Number = std::conditional_t<std::is_same_v<Value, int> || std::is_same_v<Value, unsigned>, int, double>;
+  constexpr bool whole = std::is_integral_v<Value>, large = std::is_same_v<Value, std::uint64_t>;
   const auto check = [option](const std::string& word) -> std::string {
     const std::optional<double> value = parse_number<double>(word);
-    const auto [largest, unit] =
-        std::is_same_v<Number, int> ? Largest{limits::kCount, ""} : largest_of(option->get_type_name());
-    if (!value || std::abs(*value) <= largest) return "";
+    if (!value && std::is_same_v<Value, Ranges>) return "";  // a name, or see fault_of_ranges()
+    if (!value || (whole && !is_whole(word))) return is_none(word, whole);
+    if (large) return parse_number<std::uint64_t>(word) ? "" : word + " is not in [0, 18446744073709551615]";
+    const auto [largest, unit] = whole ? Largest{limits::kCount, ""} : largest_of(option->get_type_name());
+    if (std::abs(*value) <= largest) return "";
     return word + " is not in [" + format_number(-largest) + ", " + format_number(largest) + "]" + unit;
   };
-  if (!std::is_same_v<Value, std::string> && !std::is_same_v<Value, std::vector<std::string>> &&
-      !std::is_same_v<Value, std::uint64_t>)
-    option->check(check, "");
+  if (!std::is_same_v<Value, std::string> && !std::is_same_v<Value, std::vector<std::string>>) option->check(check, "");
 }
 
 }  // namespace
@@ -213,6 +250,8 @@ std::optional<int> CommandLine::read(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
     if (const std::string why = written_over(*app_); !why.empty()) return refuse_arguments(*app_, why);
+    if (const std::string why = fault_of_ranges(*app_); !why.empty()) return refuse_arguments(*app_, why);
+    keep_named_files(*app_);
     return std::nullopt;
   } catch (const CLI::CallForHelp&) {
     std::cout << app_->help();
@@ -222,6 +261,8 @@ std::optional<int> CommandLine::read(int argc, char** argv) {
     return refuse_arguments(*app_, unexpected(*app_, error));
   } catch (const CLI::RequiredError& error) {
     return refuse_arguments(*app_, unknown_option(*app_, {argv + 1, argv + argc}).value_or(error.what()));
+  } catch (const CLI::ConversionError& error) {
+    return refuse_arguments(*app_, unconverted(error.what()));
   } catch (const CLI::ParseError& error) {
     return refuse_arguments(*app_, error.what());
   } catch (const WrongArgument& error) {
@@ -249,7 +290,7 @@ int run_program(CommandLine& line, int argc, char** argv, const std::function<in
     std::cerr << line.program() << ": " << printable(error.what()) << "\n";
     return kNotGood;
   } catch (const std::exception& error) {
-    std::cerr << line.program() << ": " << printable(without_library(error.what())) << "\n";
+    std::cerr << line.program() << ": " << reason_of(error) << "\n";
     return kFailed;
   }
 }

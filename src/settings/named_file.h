@@ -9,7 +9,8 @@
 namespace soft_robot_lab {
 
 // The whole path that this text stands for: a relative one starts at the folder of the file that states it. Throws
-// SettingsError at the node's place where it is empty; whether there is such a file is not asked.
+// SettingsError at the node's place where it is empty, or where the program would write over that file; whether there
+// is such a file is not asked.
 std::string named_file(const YamlNode& node);
 
 }  // namespace soft_robot_lab

@@ -10,6 +10,7 @@
 #include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/yaml.h>
 
+#include "kept_files.h"
 #include "settings_data.h"
 #include "limits.h"
 #include "read_file.h"
@@ -135,6 +136,8 @@ YamlNode YamlNode::Data::build(const YAML::Node& yaml, Data place, int depth, lo
 }
 
 YamlNode YamlNode::load_file(const std::string& path) {
+  if (const std::string option = output_over(path); !option.empty())
+    throw SettingsError(path + ": would be written over by " + option + "; give that a file of its own");
   std::string text;
   try {
     text = read_regular_file(path, kLargestSettings_bytes);

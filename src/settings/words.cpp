@@ -2,6 +2,7 @@
 #include "words.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iomanip>
 #include <locale>
 #include <sstream>
@@ -56,6 +57,18 @@ std::string printable(std::string text) {
   const auto steers = [](unsigned char c) { return (c < ' ' && c != '\n' && c != '\t') || c == 127; };
   std::replace_if(text.begin(), text.end(), steers, '?');
   return text;
+}
+
+std::string reason_of(const std::exception& error) {
+  if (const auto* of_file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
+    return printable(of_file->path1().string()) + ": " + of_file->code().message();
+  // The reader of JSON names itself and its number for the error first.
+  const std::string what = error.what(), library = "[json.exception.";
+  const std::size_t start = what.find(library), end = what.find("] ", start);
+  if (start == std::string::npos || end == std::string::npos) return printable(what);
+  const bool text = what.find("type_error.316", start) == start + library.size();
+  return printable(what.substr(0, start) + (text ? "a text is not UTF-8: " : "not the JSON that is expected: ") +
+                   what.substr(end + 2));
 }
 
 std::string html_escaped(const std::string& text) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <charconv>
+#include <exception>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -16,6 +17,8 @@ std::string format_fixed(double value, int decimals);  // never as -0.0; a decim
 std::string quote(const std::string& text);            // as YAML
 // For messages that repeat what stands in a file: `?` for what would steer a terminal, or end a text of C.
 std::string printable(std::string text);
+// What an exception says, printable, and in our words where a library threw it.
+std::string reason_of(const std::exception& error);
 std::string html_escaped(const std::string& text);  // for the text and attributes of a page
 std::string unknown_key_message(const std::string& key, std::vector<std::string> known);
 std::string missing_key_message(const std::string& key, const std::vector<std::string>& unread);

@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "kept_files.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -69,6 +71,8 @@ int open_part(const fs::path& place, std::string& part) {
 }  // namespace
 
 void write_file(const std::string& path, const std::string& text) {
+  if (is_kept(path))
+    throw std::runtime_error(path + ": would be written over, though it was read; give the result another place");
   struct stat old {};
   const bool exists = stat(path.c_str(), &old) == 0;
   if (exists && !S_ISREG(old.st_mode)) return write_in_place(path, text);

@@ -116,6 +116,23 @@ TEST_F(Replay, RefusesARecordingWithoutImages) {
   EXPECT_THROW(replay(), std::runtime_error);
 }
 
+TEST_F(Replay, WritesOverNothingThatItReads) {
+  record(0, true);
+  fs::create_symlink(path("session.bag"), path("link.bag"));
+  const auto bag_bytes = fs::file_size(path("session.bag")), tracker_bytes = fs::file_size(path("tracker.yaml"));
+  for (const char* output : {"session.bag", "link.bag", "none/../session.bag", "tracker.yaml"}) {
+    try {
+      replay_tracking(options_, path("session.bag"), path(output));
+      FAIL() << output;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("would be written over"), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(fs::file_size(path("session.bag")), bag_bytes) << output;
+    EXPECT_EQ(fs::file_size(path("tracker.yaml")), tracker_bytes) << output;
+  }
+  EXPECT_GT(replay().written, 0);
+}
+
 TEST_F(Replay, RefusesTopicsOfOtherTypes) {
   for (const std::string& topic : {std::string(topics::tracker_steps), std::string(topics::tracker_markers),
                                    std::string(topics::simulator_markers), std::string(topics::reality_gap),

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "settings/command_line.h"
+#include "settings/kept_files.h"
+#include "settings/named_file.h"
+#include "settings/write_file.h"
+#include "settings/written_options.h"
 
 #include <filesystem>
 #include <fstream>
@@ -91,6 +95,24 @@ TEST(CommandLine, TakesNumbersWithinTheLimitsOfTheirUnits) {
   EXPECT_EQ(said_of({"--range", "left", "0", "1e13"}), "nothing: --range: 1e13 is not in [-1e+12, 1e+12]");
 }
 
+// As where the shell does not know a variable: nothing is no zero. Nor does a number get round its limit.
+TEST(CommandLine, TakesNoWordForANumberThatIsNone) {
+  for (const std::string word : {"", "1 m", "0x1p2000", " 1e300", "1e", "''", "1,5"}) {
+    EXPECT_EQ(said_of({"--hold", word}), "nothing: --hold: '" + word + "' is no number");
+    EXPECT_EQ(said_of({"--place", "0", word, "0"}), "nothing: --place: '" + word + "' is no number");
+    EXPECT_EQ(said_of({"--count", word}), "nothing: --count: '" + word + "' is no whole number");
+  }
+  for (const std::string word : {"0x1p2000", " 1e300"})
+    EXPECT_EQ(said_of({"--range", "left", "0", word}), "nothing: --range: '" + word + "' is no number");
+  EXPECT_EQ(said_of({"--range", "left", "0", "right"}), "nothing: --range: 'left,0,right' is not what it takes");
+  EXPECT_EQ(said_of({"--range", "left", "0", "1", "--range", "left", "0", "2"}),
+            "nothing: --range: 'left' is named twice");
+  for (const std::string word : {"1e3", "0.5"})
+    EXPECT_EQ(said_of({"--count", word}), "nothing: --count: '" + word + "' is no whole number");
+  EXPECT_EQ(said_of({"--count", "99999999999999999999"}),
+            "nothing: --count: 99999999999999999999 is not in [-1000000, 1000000]");
+}
+
 TEST(CommandLine, NamesAMistypedOptionBeforeWhatIsMissing) {
   CommandLine line("Does nothing.", "nothing");
   std::string scene, result;
@@ -142,6 +164,59 @@ TEST(CommandLine, WritesOverNoFileThatIsNamedBeside) {
       << "of two that are not there yet";
   EXPECT_EQ(said_of_files({scene, "--result", folder / "new.json", "--output", folder / "new.npz"}), "");
   EXPECT_EQ(said_of_files({scene, "--result", "/dev/null", "--output", "/dev/null"}), "");
+  EXPECT_EQ(said_of_files({scene, "--result", ""}).find("nothing: --result: is empty, must name what is written"), 0u);
+  fs::remove_all(folder);
+}
+
+// A scene's own files, however the option spells them; and within a folder of results.
+TEST(CommandLine, WritesOverNoFileThatASettingsFileNames) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("command_line_test.kept." + std::to_string(getpid()));
+  fs::create_directories(folder / "results");
+  const std::string base = folder / "base.yaml", mesh = folder / "results/mesh.stl", link = folder / "link.yaml";
+  std::ofstream(base) << "body: {}\n";
+  std::ofstream(mesh) << "solid a\nendsolid a\n";
+  fs::create_symlink(base, link);
+  const YamlNode scene = YamlNode::parse("include: base.yaml\nstl: results/mesh.stl\n", folder / "scene.yaml");
+  const auto read = [](const std::string& option, const std::string& file) {
+    CommandLine line("Does nothing.", "nothing");
+    std::string scene_file, written;
+    line.add_option("SCENE", scene_file);
+    line.add_option(option, written);
+    std::vector<std::string> words{"nothing", "scene.yaml", option, file};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    EXPECT_FALSE(line.read(static_cast<int>(arguments.size()), arguments.data()));
+  };
+  const auto refusal = [](const auto& what) -> std::string {
+    try {
+      what();
+      return "";
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+  };
+  for (const std::string& option : written_options())
+    for (const std::string& file : {base, link, (folder / "none/../base.yaml").string()}) {
+      read(option, file);
+      const std::string said = refusal([&] { named_file(scene.child("include")); });
+      EXPECT_NE(
+          said.find("scene.yaml:1: include: 'base.yaml' would be written over by " + option + "; give that a file"),
+          std::string::npos)
+          << said;
+      EXPECT_NE(refusal([&] { YamlNode::load_file(base); }).find("would be written over by " + option),
+                std::string::npos);
+      EXPECT_EQ(named_file(scene.child("stl")), mesh);
+    }
+  read("--output", folder / "results");
+  named_file(scene.child("stl"));
+  EXPECT_NE(refusal([&] { write_file(mesh, ""); }).find("mesh.stl: would be written over, though it was read"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { write_file(folder / "none/../results/mesh.stl", ""); }), "");
+  EXPECT_GT(fs::file_size(mesh), 0u);
+  write_file(folder / "results/other.stl", "");
+  set_outputs({});  // as another program: what was read before is not kept
+  write_file(mesh, "");
   fs::remove_all(folder);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -14,6 +15,7 @@
 #include "mould_picture.h"
 #include "stl_file.h"
 #include "three_mf.h"
+#include "settings/kept_files.h"
 #include "settings/read_file.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
@@ -25,6 +27,7 @@ namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kDescription = "mould.json";
+constexpr const char* kPartEndings[] = {".stl", ".3mf", ".step", ".png"};
 
 // Turning parts and directions leaves zeros with a sign, which a reader takes for an error.
 Eigen::Vector3d without_negative_zeros(const Eigen::Vector3d& value) { return value + Eigen::Vector3d::Zero(); }
@@ -190,11 +193,33 @@ void require_writable(const fs::path& place) {
   fs::remove(probe);
 }
 
+// By its description; none where that is no mould's.
+std::set<std::string> files_of_mould(const fs::path& folder) {
+  const fs::path description = folder / kDescription;
+  if (!fs::exists(description)) return {};
+  std::set<std::string> files{kDescription, "instructions.html", "robot.png"};
+  const auto mould =
+      OrderedJson::parse(read_regular_file(description.string(), kLargestSettings_bytes), nullptr, false);
+  if (!mould.is_object() || !mould.contains("parts") || !mould["parts"].is_array()) return {};
+  for (const OrderedJson& part : mould["parts"])
+    if (part.is_object() && part.contains("name") && part["name"].is_string())
+      for (const char* ending : kPartEndings) files.insert(part["name"].get<std::string>() + ending);
+  return files;
+}
+
+// An earlier mould goes with its folder, and nothing else does.
 void require_replaceable(const fs::path& folder) {
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": is no folder");
-  if (!fs::is_empty(folder) && !fs::exists(folder / kDescription))
-    throw std::runtime_error(folder.string() + ": holds other files than a mould; nothing was written");
+  const std::set<std::string> replaced = files_of_mould(folder);
+  for (const auto& file : fs::directory_iterator(folder)) {
+    const std::string name = file.path().filename().string();
+    if (replaced.count(name) == 0 || file.is_directory())
+      throw std::runtime_error(folder.string() + ": holds other files than a mould, as " + name +
+                               "; nothing was written");
+    if (is_kept(file.path().string()))
+      throw std::runtime_error(file.path().string() + ": would be replaced, though it was read; nothing was written");
+  }
 }
 
 // The old folder goes only once the new one is in its place.

@@ -17,6 +17,7 @@
 #include "ros/base/topics.h"
 #include "perception/tracking/explain_unseen.h"
 #include "settings/cpu_time.h"
+#include "settings/kept_files.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -195,6 +196,9 @@ void require_seen(const Findings& findings, const std::string& bag, const std::s
 
 ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::string& bag_path,
                               const std::string& output_path) {
+  if (is_same_file(bag_path, output_path))
+    throw std::invalid_argument("output: " + output_path + " would be written over bag; give it a file of its own");
+  set_outputs({{"output", output_path}});
   const rosbag::Bag bag = open_bag(bag_path);
   const double start_s = cpu_time_s();
   Findings findings;

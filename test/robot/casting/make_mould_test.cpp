@@ -485,6 +485,22 @@ TEST(MakeMould, LeavesFoldersOfOthersAlone) {
   EXPECT_NE(sooner.err.find("other files"), std::string::npos) << "before the robot is read: " << sooner.err;
   EXPECT_NE(outcome.err.find("other files"), std::string::npos) << outcome.err;
   EXPECT_EQ(contents(folder.path("mine/notes.txt")), "kept");
+  // Nor what somebody laid beside an earlier mould, or made of it.
+  const std::string parts = R"({"parts": [{"name": "mould"}]})";
+  folder.write("older/mould.json", parts);
+  folder.write("older/mould.stl", "an older mould");
+  const std::string robot = folder.write("older/robot.yaml", "include: \"" + kRobots + "hanging_bar/robot.yaml\"\n");
+  const Outcome beside = run(folder, robot + " --output " + folder.path("older"));
+  EXPECT_EQ(beside.exit_status, 2);
+  EXPECT_NE(beside.err.find("other files than a mould, as robot.yaml"), std::string::npos) << beside.err;
+  EXPECT_EQ(contents(folder.path("older/mould.stl")), "an older mould");
+  folder.write("used/mould.json", parts);
+  fs::copy_file(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/hollow_box.stl", folder.path("used/mould.stl"));
+  const std::string scene = folder.write("used.yaml", "body: {solid: {stl: used/mould.stl}}");
+  const Outcome used = run(folder, scene + " --output " + folder.path("used"));
+  EXPECT_EQ(used.exit_status, 2);
+  EXPECT_NE(used.err.find("mould.stl: would be replaced, though it was read"), std::string::npos) << used.err;
+  EXPECT_TRUE(fs::exists(folder.path("used/mould.stl")));
 }
 
 TEST(MakeMould, NeedsNothingHeldAndMakesTheMouldOfASleeve) {

@@ -18,6 +18,7 @@
 #include "ros/panel/actuator_editor.h"
 #include "ros/panel/number_box.h"
 #include "ros/panel/plot_view.h"
+#include "ros/view/label_picture.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -52,6 +53,34 @@ TEST_F(PanelText, HintsAndLampsHoldNoHtmlOfOthers) {
     EXPECT_FALSE(text.contains("<img")) << text.toStdString();
     EXPECT_TRUE(text.contains("&lt;img"));
   }
+}
+
+// A target within or behind the robot: its ring, the dashes to it and their length lie over whatever is drawn there.
+TEST(LabelPicture, ShowsTheTargetThroughTheSkinWithItsDistance) {
+  const QSize window(400, 300);
+  const Eigen::Vector2d from(120, 150), to(280, 150);
+  CoveredCells skin({400, 300});
+  skin.add_triangle({-400, -300}, {1200, -300}, {0, 900});  // all of the window
+  LabelPicture picture;
+  picture.aims = {{from, to}};
+  const auto painted = [&] { return LabelPainter().paint(picture, skin, window, QFont()); };
+  const QImage unlabelled = painted();
+  int red = 0, pale = 0;  // dashes, and what is between them
+  for (int x = 140; x < 260; ++x) {
+    const QColor seen = unlabelled.pixelColor(x, 150);
+    EXPECT_GT(seen.alpha(), 150) << "the skin would hide it at " << x;
+    (seen.green() < 90 ? red : pale) += 1;
+  }
+  EXPECT_GT(red, 30);
+  EXPECT_GT(pale, 10);
+  const QColor ring = unlabelled.pixelColor(280, 140);
+  EXPECT_GT(ring.alpha(), 240);
+  EXPECT_GT(ring.red(), ring.blue() + 100) << "orange";
+  picture.texts = {{"error", "12.34 mm", 0.5 * (from + to), true}};
+  const QImage labelled = painted();
+  EXPECT_NE(labelled, unlabelled);
+  picture.texts[0].text = "43.21 mm";
+  EXPECT_NE(painted(), labelled);
 }
 
 // Of the colour of what is filled, left and right of rest.

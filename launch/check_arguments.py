@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [solver=NAME] [load=SCENE]: for launch files, before any
-node starts. Prints ROBOT where all is well. Ends with an error where there is no such robot, file, solver or kind of
-cameras, and names the nearest, and where the scene to be loaded or another file is wrong: once nodes run, roslaunch ends
+"""check_arguments.py ROBOT [WORD=PATH...] [SWITCH=True...] [cameras=NAME] [solver=NAME] [load=SCENE]: for launch files,
+before any node starts. Prints ROBOT where all is well. Ends with an error where there is no such robot, file, solver,
+state of a switch or kind of cameras, and names the nearest, and where the scene to be loaded or another file is wrong: once nodes run, roslaunch ends
 with status 0 whatever they end with."""
 import difflib
 import os
@@ -10,6 +10,7 @@ import subprocess
 import sys
 
 CAMERAS = ('none', 'rendered')
+SWITCHES = ('emulated', 'hardware', 'record', 'record_images', 'rviz', 'twin', 'wall_clock')
 SOLVERS = ('newton', 'xpbd', 'reduced')  # or empty: the scene's own
 READ = {'rig': '--rig', 'camera_setup': '--cameras', 'balls': '--balls', 'tracker': '--tracker'}  # by check_scene_node
 RIG = ('rig', 'plant', 'tracker', 'balls')
@@ -56,7 +57,10 @@ for word in sys.argv[2:]:
         refuse(name, value, CAMERAS)
     if name == 'solver' and value and value not in SOLVERS:
         refuse(name, value, SOLVERS)
-    if name not in ('cameras', 'solver', 'load') and value:
+    if name in SWITCHES:
+        if value not in ('True', 'False', '1', '0'):
+            refuse(name, value, ('true', 'false'))
+    elif name not in ('cameras', 'solver', 'load') and value:
         check_file(name, value, robot)
 if 'load' in given:
     check_scene(given)

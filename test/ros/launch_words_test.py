@@ -51,6 +51,8 @@ def refusal(file, *arguments):
 
 assert "robot: there is no 'spinbot' (did you mean 'spinebot'?); known: bubblebot, " in refusal('session.launch', 'robot:=spinbot')
 assert "cameras: there is no 'renderd' (did you mean 'rendered'?); known: none, rendered" in refusal('session.launch', 'cameras:=renderd')
+for switch in ('emulated', 'hardware', 'record', 'record_images', 'rviz', 'twin', 'wall_clock'):
+    assert switch + ": there is no 'maybe'; known: true, false" in refusal('session.launch', switch + ':=maybe'), switch
 assert "robot: there is no 'griper' (did you mean 'gripper'?)" in refusal('motor.launch', 'robot:=griper')
 assert "robot: there is no 'xyz'; known" in refusal('session.launch', 'robot:=xyz')
 no_rig = refusal('session.launch', 'robot:=hanging_bar', 'emulated:=true')

@@ -9,6 +9,7 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
+#include <rosgraph_msgs/Log.h>
 #include <soft_robot_lab/ActuatorCommand.h>
 #include <soft_robot_lab/ActuatorState.h>
 #include <soft_robot_lab/MarkerObservations.h>
@@ -60,6 +61,10 @@ class RobotSession : public testing::Test {
             for (const auto& value : status.values)
               if (status.name == "simulator: simulation") diagnosis_[value.key] = value.value;
         })));
+    subscribers_.push_back(node_.subscribe<rosgraph_msgs::Log>(
+        "/rosout_agg", 100, boost::function<void(const rosgraph_msgs::Log::ConstPtr&)>([this](const auto& m) {
+          if (m->level >= rosgraph_msgs::Log::WARN) warnings_ += m->name + ": " + m->msg + "\n";
+        })));
     commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10, true);
     hear_last(topics::simulator_markers, simulated_);
     hear_last(topics::simulator_actuators, actuators_);
@@ -68,6 +73,9 @@ class RobotSession : public testing::Test {
     hear_last(topics::motor_state, motors_);
     hear_last(topics::pressure_state, pressures_);
   }
+
+  // Of its start and of a command: nobody could mend it.
+  void TearDown() override { EXPECT_EQ(warnings_, ""); }
 
   template <typename Message>
   void hear_last(const char* topic, Message& last) {
@@ -141,6 +149,7 @@ class RobotSession : public testing::Test {
   }
 
   std::string robot_, solver_;
+  std::string warnings_;  // of all nodes
   bool emulated_ = false;
   std::map<std::string, std::string> diagnosis_;  // the simulator's last
   MarkerObservations simulated_, tracked_, real_;

@@ -209,13 +209,13 @@ void ExtrinsicsMonitor::warn() {
     CameraWarning warning;
     warning.cameras = culprits(pair);
     warning.displacement_m = dispute.displacement_m;
-    std::ostringstream message;
-    message.precision(3);
-    message << (warning.cameras.size() == 1 ? warning.cameras[0] + " was moved"
-                                            : pair.first + " or " + pair.second + " was moved")
-            << ": " << pair.first << " and " << pair.second << " see the markers " << 1000 * warning.displacement_m
-            << " mm apart; allowed: " << 1000 * settings_.threshold_m << " mm. Calibrate again.";
-    warning.message = message.str();
+    std::ostringstream difference;
+    difference.precision(3);
+    difference << pair.first << " and " << pair.second << " see the markers " << 1000 * warning.displacement_m
+               << " mm apart; allowed: " << 1000 * settings_.threshold_m << " mm.";
+    warning.difference = difference.str();
+    warning.message = (warning.cameras.size() == 1 ? warning.cameras[0] : pair.first + " or " + pair.second) +
+                      " was moved: " + warning.difference + " Calibrate again.";
     warnings_.push_back(warning);
   }
 }

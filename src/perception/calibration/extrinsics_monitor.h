@@ -28,7 +28,8 @@ struct ExtrinsicsMonitorSettings {
 struct CameraWarning {
   std::vector<std::string> cameras;  // one; or two, where nothing shows which of them moved
   double displacement_m = 0;         // of what they see
-  std::string message;
+  std::string difference;            // in words
+  std::string message;               // the same of cameras that were calibrated
 };
 
 // A small rigid motion of what a camera sees: by turn x (p - about) + shift at p.

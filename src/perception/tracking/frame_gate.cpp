@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 
 namespace soft_robot_lab {
@@ -57,25 +58,22 @@ std::vector<UsableFrame> FrameGate::pass(const std::vector<RgbdFrame>& frames, s
     }
     Known& known = known_.at(frame.camera);
     known.last_stamp_s = frame.stamp_s;
-    if (!started_) first_stamp_s_ = frame.stamp_s;
-    started_ = true;
     usable.push_back({&frame, &known.camera});
   }
   return usable;
 }
 
 void FrameGate::report_silence(double time_s, double timeout_s, std::vector<CameraProblem>& problems) const {
-  if (!started_) return;
   for (const auto& [name, known] : known_)
-    if (time_s - std::max(known.last_stamp_s, first_stamp_s_) > timeout_s)
-      problems.push_back(
-          {name, "camera '" + name + "' has sent nothing usable for more than " + std::to_string(timeout_s) + " s",
-           true});
+    if (known.last_stamp_s > kBeforeAll && time_s - known.last_stamp_s > timeout_s) {
+      std::ostringstream text;
+      text << "camera '" << name << "' has sent nothing usable for more than " << timeout_s << " s";
+      problems.push_back({name, text.str(), true});
+    }
 }
 
 void FrameGate::reset() {
   for (auto& [name, known] : known_) known.last_stamp_s = kBeforeAll;
-  started_ = false;
 }
 
 }  // namespace soft_robot_lab

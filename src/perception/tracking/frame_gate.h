@@ -23,7 +23,7 @@ class FrameGate {
 
   // Refused frames are left out, each with its reason in `problems`.
   std::vector<UsableFrame> pass(const std::vector<RgbdFrame>& frames, std::vector<CameraProblem>& problems);
-  // Adds a problem for each camera without a usable frame for so long before `time_s`.
+  // Adds a problem for each camera whose last usable frame is older than this at `time_s`.
   void report_silence(double time_s, double timeout_s, std::vector<CameraProblem>& problems) const;
   int late_frames() const { return late_frames_; }
   void reset();
@@ -36,8 +36,6 @@ class FrameGate {
   std::string refuse(const RgbdFrame& frame);  // why, or nothing
 
   std::map<std::string, Known> known_;
-  double first_stamp_s_ = 0;
-  bool started_ = false;
   int late_frames_ = 0;
 };
 

@@ -81,6 +81,7 @@ class TrackerNode {
     ros::Subscriber info;
     CameraDiagnosis diagnosis;
     int silent = 0;  // diagnoses without an image
+    bool warned = false;
   };
 
   template <typename Action>
@@ -91,6 +92,7 @@ class TrackerNode {
   void on_result(const MarkerTracking::Result& result);
   void publish_image(const MarkerTracking::Result& result) const;
   void report_displaced_cameras();
+  std::string words_of(const CameraWarning& warning) const;
   void broadcast(const std::vector<CameraPose>& poses);
   void diagnose(TrackerStatus& status);
   void diagnose_camera(const std::string& camera, TrackerStatus& status);
@@ -230,13 +232,19 @@ void TrackerNode::publish_image(const MarkerTracking::Result& result) const {
   image_.publish(frame_messages(drawn, camera.model, result.observations.header.stamp).colour);
 }
 
-// Each once, when it begins.
+// What was never calibrated was not moved.
+std::string TrackerNode::words_of(const CameraWarning& warning) const {
+  return input_.calibrated() ? warning.message : "not calibrated yet: " + warning.difference + " Calibrate.";
+}
+
+// Each once, when it begins. That cameras stand about where they are meant to is no fault before they are calibrated.
 void TrackerNode::report_displaced_cameras() {
   std::vector<std::vector<std::string>> displaced;
   for (const CameraWarning& warning : input_.tracking()->watch().warnings()) {
     displaced.push_back(warning.cameras);
     if (std::find(displaced_.begin(), displaced_.end(), warning.cameras) == displaced_.end())
-      ROS_WARN("%s", warning.message.c_str());
+      ROS_LOG(input_.calibrated() ? ros::console::levels::Warn : ros::console::levels::Info, ROSCONSOLE_DEFAULT_NAME,
+              "%s", words_of(warning).c_str());
   }
   displaced_ = std::move(displaced);
 }
@@ -285,18 +293,25 @@ void TrackerNode::diagnose_camera(const std::string& camera, TrackerStatus& stat
   if (finding.level == Level::error) warn_of(camera, finding.message);
 }
 
-// Once for each camera that no image ever came of: most likely its name is wrong.
+// Once for each camera that no image ever came of. Where others publish and it does not, most likely its name is wrong;
+// else it may still start, as rendered cameras do while their robot is meshed.
 void TrackerNode::warn_of(const std::string& camera, const std::string& message) {
-  constexpr int patience = 5;  // diagnoses
+  constexpr int patience = 5, starting = 60;  // diagnoses
   Camera& own = *cameras_.at(camera);
-  if (own.diagnosis.all_frames() > 0 || ++own.silent != patience) return;
+  if (own.warned || own.diagnosis.all_frames() > 0 || ++own.silent < patience) return;
   const std::string end = "/color/camera_info";
   std::string others;
+  bool publishes = false;
   ros::master::V_TopicInfo published;
   ros::master::getTopics(published);
-  for (const ros::master::TopicInfo& topic : published)
-    if (topic.name.size() > end.size() && topic.name.compare(topic.name.size() - end.size(), end.size(), end) == 0)
-      others += " " + topic.name.substr(0, topic.name.size() - end.size());
+  for (const ros::master::TopicInfo& topic : published) {
+    if (topic.name.size() <= end.size() || topic.name.compare(topic.name.size() - end.size(), end.size(), end) != 0)
+      continue;
+    others += " " + topic.name.substr(0, topic.name.size() - end.size());
+    publishes = publishes || topic.name == node_.resolveName(info_topic(camera));
+  }
+  if ((others.empty() || publishes) && own.silent < starting) return;
+  own.warned = true;
   ROS_WARN("camera '%s': %s Cameras that publish:%s. The session's argument camera_names chooses.", camera.c_str(),
            log_text(message).c_str(), others.empty() ? " none" : others.c_str());
 }
@@ -313,7 +328,7 @@ void TrackerNode::diagnose_places(TrackerStatus& status) {
                                    : "not watched, for want of markers that another camera sees too: " + unwatched);
   if (!tracking) return;
   for (const CameraWarning& warning : tracking->watch().warnings())
-    status.mergeSummary(TrackerStatus::WARN, warning.message);
+    status.mergeSummary(TrackerStatus::WARN, words_of(warning));
 }
 
 void print(const ReplaySummary& summary, const std::string& output) {

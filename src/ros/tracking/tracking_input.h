@@ -49,7 +49,8 @@ class TrackingInput {
 
   const MarkerTracking* tracking() const { return tracking_.get(); }  // null before a scene
   const std::vector<CameraPose>& poses() const { return poses_; }
-  const std::string& poses_file() const { return poses_file_; }  // that they were read from; may be empty
+  const std::string& poses_file() const { return poses_file_; }      // that they were read from; may be empty
+  bool calibrated() const { return poses_file_ == options_.poses; }  // else they are where they are meant to stand
   const TrackerSettings& settings() const { return settings_; }
   // What is not known yet of a camera whose images come, or nothing.
   std::string missing(const std::string& camera) const;

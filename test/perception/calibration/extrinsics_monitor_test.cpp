@@ -100,6 +100,8 @@ TEST(ExtrinsicsMonitor, NamesACameraThatWasMovedByFiveMillimetres) {
       const CameraWarning& warning = watch.warnings()[0];
       EXPECT_EQ(warning.cameras, std::vector<std::string>{camera == 0 ? "left" : "right"}) << warning.message;
       EXPECT_NEAR(warning.displacement_m, 0.005, 0.0005);
+      EXPECT_EQ(warning.message, warning.cameras.front() + " was moved: " + warning.difference + " Calibrate again.");
+      EXPECT_EQ(warning.difference.find("left and right see the markers "), 0u) << warning.difference;
     }
 }
 

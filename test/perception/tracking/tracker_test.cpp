@@ -83,6 +83,14 @@ TEST_F(TrackerOfALine, GoesOnWithTheOtherCameraAndSaysWhatIsWrong) {
   EXPECT_TRUE(report.problems[0].silent);
 }
 
+// As where a session starts: one camera's first frame comes seconds after the other's.
+TEST_F(TrackerOfALine, AwaitsTheFirstFrameOfACamera) {
+  Tracker tracker = this->tracker();
+  for (int frame = 0; frame < 40; ++frame)
+    EXPECT_TRUE(tracker.update({film(left_, scene_, frame * kFrame_s)}).problems.empty());
+  expect_seen(tracker.update(film_both(40 * kFrame_s)), 1e-4);
+}
+
 TEST_F(TrackerOfALine, LeavesOutFramesThatCannotBeUsed) {
   Tracker tracker = this->tracker();
   tracker.update(film_both(0));

@@ -73,8 +73,15 @@ void require_task(const Simulation& simulation, const PolicyTask& task) {
   if (task.poses.empty()) refuse("poses: empty; give at least one");
   for (const Pose& pose : task.poses) {
     if (pose.goals.empty()) refuse("goals: empty; give at least one");
-    for (const MarkerGoal& goal : pose.goals) require_goal(simulation, goal);
-    for (const std::string& name : pose.actuators) simulation.actuator_index(name);
+    std::set<std::string> markers, actuators;
+    for (const MarkerGoal& goal : pose.goals) {
+      require_goal(simulation, goal);
+      if (!markers.insert(goal.marker).second) refuse("goals: '", goal.marker, "' is named twice");
+    }
+    for (const std::string& name : pose.actuators) {
+      simulation.actuator_index(name);
+      if (!actuators.insert(name).second) refuse("actuators: '", name, "' is named twice");
+    }
     if (!(pose.duration_s > 0.0 && pose.duration_s <= limits::kTime_s))
       refuse("duration_s: ", pose.duration_s, " is not in (0, ", limits::kTime_s, "]");
   }

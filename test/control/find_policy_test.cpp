@@ -105,6 +105,26 @@ TEST(FindPolicy, RefusesLimitsThatNameAnActuatorTwice) {
   }
 }
 
+// Each would have been met halfway, without a word.
+TEST(FindPolicy, RefusesAPoseThatNamesAMarkerOrAnActuatorTwice) {
+  Simulation simulation = bar();
+  const auto refusal = [&](const PolicyTask& task) -> std::string {
+    try {
+      find_policy(simulation, task, {});
+      return "";
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  };
+  PolicyTask task = reach({0.1, 0, 0});
+  task.poses[0].goals.push_back(task.poses[0].goals[0]);
+  task.poses[0].goals[1].target_m.y() += 0.01;
+  EXPECT_NE(refusal(task).find("goals: '" + task.poses[0].goals[0].marker + "' is named twice"), std::string::npos);
+  task = reach({0.1, 0, 0});
+  task.poses[0].actuators = {"left", "left"};
+  EXPECT_NE(refusal(task).find("actuators: 'left' is named twice"), std::string::npos);
+}
+
 TEST(FindPolicy, NeverMovesACommandFasterThanItsRate) {
   Simulation simulation = bar();
   PolicyTask task = reach(tip_at(simulation, 0.9, 1.0));

@@ -71,6 +71,9 @@ TEST(DesignCheck, NamesWhatIsWrongInAFile) {
     EXPECT_NE(answer.message.find(text), std::string::npos) << answer.message;
     EXPECT_TRUE(answer.tests.empty());
   }
+  EXPECT_EQ(check(node, "unknown_key.yaml", true).message,
+            "robot: 'unknown_key.yaml' is no whole path; it must begin with /");
+  EXPECT_EQ(check(node, std::string("\0x", 2), true).message, "robot: holds a byte of value 0, as no text does");
 }
 
 }  // namespace

@@ -122,7 +122,13 @@ TEST_F(FitModelService, RefusesBadRequests) {
       {"empty.bag: cannot be read as a bag", [](auto& r) { r.bag = folder / "empty.bag"; }},
       {"no_such.bag: cannot be read as a bag", [](auto& r) { r.bag = folder / "no_such.bag"; }},
       {"nothing to fit to: no markers came", [](auto& r) { r.bag.clear(); }},
-      {"no_such_scene.yaml", [](auto& r) { r.scene = "no_such_scene.yaml"; }},
+      {"no_such_scene.yaml", [](auto& r) { r.scene = "/no_such_scene.yaml"; }},
+      {"scene: 'bar.yaml' is no whole path", [](auto& r) { r.scene = "bar.yaml"; }},
+      {"bag: 'session.bag' is no whole path", [](auto& r) { r.bag = "session.bag"; }},
+      {"file: 'fitted.yaml' is no whole path", [](auto& r) { r.file = "fitted.yaml"; }},
+      {"File name too long", [](auto& r) { r.file = "/" + std::string(300, 'a'); }},
+      {"File name too long", [](auto& r) { r.bag = "/" + std::string(300, 'a'); }},
+      {"mass_kg must be in [1e-06, 1e+06]", [](auto& r) { r.mass_kg = 1e-300; }},
       {"file: ", [](auto& r) { r.file = folder / "no_such_folder/fitted.yaml"; }},
       {"file: ", [](auto& r) { r.file = folder; }},
   };
@@ -132,6 +138,7 @@ TEST_F(FitModelService, RefusesBadRequests) {
     const auto response = fit(request);
     EXPECT_FALSE(response.success) << wrong.words;
     EXPECT_NE(response.message.find(wrong.words), std::string::npos) << response.message;
+    EXPECT_EQ(response.message.find("filesystem error"), std::string::npos) << response.message;
     EXPECT_TRUE(response.values.empty()) << wrong.words;
   }
 }

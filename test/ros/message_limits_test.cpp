@@ -49,6 +49,19 @@ TEST(MessageLimits, NameATextThatHoldsAZero) {
             "names: holds a byte of value 0, as no text does");
 }
 
+// A node's folder is not its user's.
+TEST(MessageLimits, AskForWholePaths) {
+  EXPECT_NO_THROW(require_whole_path("file", "/tmp/fitted.yaml"));
+  for (const char* path : {"fitted.yaml", "", "../fitted.yaml", " /tmp/x", "~/x"}) {
+    try {
+      require_whole_path("file", path);
+      FAIL() << path;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), "file: '" + std::string(path) + "' is no whole path; it must begin with /");
+    }
+  }
+}
+
 TEST(MessageLimits, LookIntoListsAndMessagesWithin) {
   EXPECT_EQ(refusal<MarkerObservations>([](MarkerObservations& m) {
               m.covariances = {0.0, INFINITY};

@@ -2,6 +2,7 @@
 // A whole simulated session of a coarse bar: topics flow, services answer, bad requests change nothing.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <future>
 #include <limits>
 #include <optional>
@@ -189,7 +190,10 @@ TEST_F(Session, ResetsToTheStart) {
 }
 
 TEST_F(Session, RefusesABadSceneAndGoesOnWithTheOld) {
-  for (const std::string& path : {scenes + "no_such_file.yaml", scenes + "unknown_key.yaml", std::string()}) {
+  // The last ones name files in the folder of a node, or none.
+  for (const std::string& path :
+       {scenes + "no_such_file.yaml", scenes + "unknown_key.yaml", std::string(),
+        std::filesystem::relative(scenes + "cable_bar.yaml").string(), std::string("\0x", 2)}) {
     LoadScene::Request request;
     request.path = path;
     const auto response = ask<LoadScene>(topics::simulator_load, request);

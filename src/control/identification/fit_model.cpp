@@ -14,6 +14,7 @@
 #include "pose_model.h"
 #include "sight_fit.h"
 #include "settings/cpu_time.h"
+#include "settings/limits.h"
 #include "settings/require.h"
 
 namespace soft_robot_lab {
@@ -86,7 +87,7 @@ void add_damping(const std::string& scene, const SceneOptions& options, const st
 void FitRequest::validate() const {
   require(std::isfinite(model_error_m) && model_error_m >= 0.0, "model_error_m must be in [0, inf)");
   require(std::isfinite(outlier_deviations) && outlier_deviations > 0.0, "outlier_deviations must be in (0, inf)");
-  require(!mass_kg || (std::isfinite(*mass_kg) && *mass_kg > 0.0), "mass_kg must be in (0, inf)");
+  require(!mass_kg || (*mass_kg >= kLeastMass_kg && *mass_kg <= limits::kMass_kg), "mass_kg must be in [1e-06, 1e+06]");
   require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations must be in [1, 1000]");
   require(!parameters.empty(), "parameters: none are given");
   const bool density = std::any_of(parameters.begin(), parameters.end(),

@@ -69,6 +69,14 @@ double typical_deviation(const std::vector<double>& lengths) {
   return std::max(1.0, median(lengths) / median_of_length);
 }
 
+// Ceres' own words name its settings.
+std::string words_of(ceres::TerminationType type, bool in_vain, bool cancelled) {
+  if (cancelled) return "cancelled";
+  if (in_vain) return "no step gains any more";
+  if (type == ceres::CONVERGENCE) return "converged";
+  return type == ceres::NO_CONVERGENCE ? "iteration limit" : "the model has no answer at what was tried";
+}
+
 }  // namespace
 
 FitEnd solve_fit(ceres::Problem& problem, ceres::LossFunctionWrapper& loss, const FitRequest& request,
@@ -88,7 +96,7 @@ FitEnd solve_fit(ceres::Problem& problem, ceres::LossFunctionWrapper& loss, cons
     ceres::Solve(options, &problem, &summary);
     const bool in_vain = reporter.in_vain() && !reporter.cancelled();
     end.converged = summary.termination_type == ceres::CONVERGENCE || in_vain;
-    end.message = in_vain ? "No step gains any more." : summary.message;
+    end.message = words_of(summary.termination_type, in_vain, reporter.cancelled());
     end.iterations += static_cast<int>(summary.iterations.size());
     if (reporter.cancelled()) break;
   }

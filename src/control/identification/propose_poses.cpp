@@ -12,6 +12,7 @@
 #include "fit_statistics.h"
 #include "pose_model.h"
 #include "pose_walk.h"
+#include "settings/limits.h"
 #include "settings/require.h"
 
 namespace soft_robot_lab {
@@ -119,7 +120,7 @@ void ProposalRequest::validate() const {
   require(poses >= 1 && poses <= 1000, "poses must be in [1, 1000]");
   require(candidates >= 1 && candidates <= 1000, "candidates must be in [1, 1000]");
   require(std::isfinite(deviation_m) && deviation_m > 0.0, "deviation_m must be in (0, inf)");
-  require(!mass_kg || (std::isfinite(*mass_kg) && *mass_kg > 0.0), "mass_kg must be in (0, inf)");
+  require(!mass_kg || (*mass_kg >= kLeastMass_kg && *mass_kg <= limits::kMass_kg), "mass_kg must be in [1e-06, 1e+06]");
 }
 
 PoseProposal propose_poses(const std::string& scene, const SceneOptions& options, const ProposalRequest& request) {

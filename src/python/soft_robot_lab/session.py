@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A client of a session's topics and services. Lengths are in metres, in the frame robot_base; times are the session's, in seconds."""
 import collections
+import os
 import signal
 import subprocess
 import threading
@@ -161,8 +162,8 @@ class Session:
         return self._ask('simulator/reset', Trigger)
 
     def load(self, scene):
-        """Another robot or scene, by its absolute path."""
-        return self._ask('simulator/load', LoadScene, scene)
+        """Another robot or scene, by its path."""
+        return self._ask('simulator/load', LoadScene, os.path.abspath(scene))
 
     def use_solver(self, solver):
         """'newton', 'xpbd' or 'reduced' moves the simulation from where it is; '': the scene's own."""

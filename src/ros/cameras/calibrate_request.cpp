@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "ros/messages/conversions.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -38,7 +39,7 @@ std::vector<CameraPose> calibrate(const Calibrate::Request& request, Calibration
     answer.success = true;
   } catch (const std::exception& error) {
     poses.clear();
-    answer.message = error.what();
+    answer.message = reason_of(error);
   }
   return poses;
 }

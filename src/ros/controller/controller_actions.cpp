@@ -10,6 +10,7 @@
 #include "ros/messages/message_limits.h"
 #include "ros/messages/same_fields.h"
 #include "ros/base/topics.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -110,7 +111,7 @@ void ControllerActions::reach(const ReachGoalConstPtr& goal) {
     const Running running(mutex_, reaches_);
     result = search_and_move(*goal);
   } catch (const std::exception& error) {
-    result.message = error.what();
+    result.message = reason_of(error);
   }
   finish(reach_, result);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "ros/messages/conversions.h"
 #include "ros/base/log_text.h"
@@ -10,6 +11,7 @@
 #include "ros/recording/recorded_session.h"
 #include "session/rest_periods.h"
 #include "ros/base/topics.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -41,6 +43,8 @@ FitRequest fit_request(const FitModel::Request& request) {
   if (request.model_error_m != 0.0) fit.model_error_m = request.model_error_m;
   fit.validate();
   require_in_limits<FitModel::Request>(request);
+  for (const auto& [field, path] : {std::pair{"bag", request.bag}, {"scene", request.scene}, {"file", request.file}})
+    if (!path.empty()) require_whole_path(field, path);
   return fit;
 }
 
@@ -159,7 +163,7 @@ void FitService::answer(const FitModel::Request& request, FitModel::Response& re
     if (!request.file.empty()) write_fitted_scene(result, scene, request.file);
   } catch (const std::exception& error) {
     response.success = false;
-    response.message = error.what();
+    response.message = reason_of(error);
   }
   if (!response.success) ROS_WARN("%s refused: %s", topics::fit_model, log_text(response.message).c_str());
 }

@@ -74,6 +74,12 @@ void require_in_limits(const Message& message) {
   require_field_in_limits(message, "");
 }
 
+// A file that a request names: the nodes run in a folder of their own, where nobody looks for it. Throws as above.
+inline void require_whole_path(const std::string& field, const std::string& path) {
+  if (path.empty() || path.front() != '/')
+    throw std::invalid_argument(field + ": '" + path + "' is no whole path; it must begin with /");
+}
+
 template <class Message>
 bool is_in_limits(const Message& message) {
   try {

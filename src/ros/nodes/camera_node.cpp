@@ -26,6 +26,7 @@
 #include "ros/cameras/rendered_rig.h"
 #include "ros/base/topics.h"
 #include "perception/calibration/calibration.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -232,7 +233,7 @@ bool CameraNode::move(MoveCamera::Request& request, MoveCamera::Response& respon
     response.success = true;
     response.message = text.str();
   } catch (const std::invalid_argument& error) {
-    response.message = error.what();
+    response.message = reason_of(error);
     ROS_WARN("%s refused: %s", topics::move_camera, log_text(error.what()).c_str());
   }
   return true;

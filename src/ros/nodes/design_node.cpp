@@ -15,10 +15,12 @@
 #include "robot/casting/verdict_page.h"
 #include "ros/base/actuator_plugins.h"
 #include "ros/messages/conversions.h"
+#include "ros/messages/message_limits.h"
 #include "ros/base/latched_publisher.h"
 #include "ros/base/log_text.h"
 #include "ros/display/surface_marker.h"
 #include "ros/base/topics.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -87,12 +89,14 @@ class DesignNode {
       response.success = true;
     } catch (const std::exception& error) {
       response = CheckDesign::Response();
-      response.message = log_text(error.what());
+      response.message = log_text(reason_of(error));
     }
     return true;
   }
 
   void check(const CheckDesign::Request& request, CheckDesign::Response& response) {
+    require_in_limits<CheckDesign::Request>(request);
+    if (!request.robot.empty()) require_whole_path("robot", request.robot);
     const std::string& path = request.robot.empty() ? scene_ : request.robot;
     if (path.empty()) throw std::invalid_argument("robot: empty, and no scene runs; give the path of a robot's file");
     const CastRobotFile file = load_cast_robot_in_use(path, options_);

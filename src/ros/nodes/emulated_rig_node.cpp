@@ -15,6 +15,7 @@
 #include "ros/base/log_text.h"
 #include "ros/messages/motor_messages.h"
 #include "ros/base/topics.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -93,7 +94,7 @@ class EmulatedRigNode {
       response.message = control_->ask(request.command);
       response.success = true;
     } catch (const std::exception& error) {  // where the line broke, the next publish() connects again
-      response.message = error.what();
+      response.message = reason_of(error);
     }
     return true;
   }

@@ -22,6 +22,7 @@
 #include "ros/messages/message_limits.h"
 #include "ros/messages/motor_messages.h"
 #include "ros/base/topics.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -191,7 +192,7 @@ class MotorNode : public DriveNode<MotorDriver> {
     try {
       driver_.zero(request.names);
     } catch (const std::invalid_argument& error) {
-      response.message = error.what();
+      response.message = reason_of(error);
       return true;
     }
     finish(longest_operation_s);

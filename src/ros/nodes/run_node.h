@@ -17,6 +17,7 @@
 
 #include "ros/base/node_process.h"
 #include "settings/outlast_launch.h"
+#include "settings/words.h"
 #include "require_master.h"
 
 namespace soft_robot_lab {
@@ -65,7 +66,7 @@ int run_node(int argc, char** argv, const std::string& name, const std::string& 
     require_master();
     require_free_name();
   } catch (const std::exception& error) {
-    std::cerr << name << ": " << error.what() << "\n";
+    std::cerr << name << ": " << reason_of(error) << "\n";
     return fail();
   }
   const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be logged
@@ -73,7 +74,7 @@ int run_node(int argc, char** argv, const std::string& name, const std::string& 
     run();
   } catch (const std::exception& error) {
     if (!ros::ok()) return 0;  // asked to end, it ended what it did
-    ROS_FATAL("%s", error.what());
+    ROS_FATAL("%s", reason_of(error).c_str());
     return fail();
   }
   return 0;

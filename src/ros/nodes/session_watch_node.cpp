@@ -14,6 +14,7 @@
 #include "ros/recording/session_watch.h"
 #include "ros/base/node_diagnosis.h"
 #include "ros/base/topics.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -105,7 +106,7 @@ class SessionWatchNode {
       response.message = request.data ? start_recording() : stop_recording();
       response.success = true;
     } catch (const std::exception& error) {
-      response.message = error.what();
+      response.message = reason_of(error);
     }
     publish_recording();
     return true;

@@ -102,8 +102,11 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   start(std::move(first));
   subscribers_ = {node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this),
                   node_.subscribe(topics::simulator_pull, 10, &SimulatorNode::on_pull, this)};
-  services_.serve_changes([this](const auto& request) { return load(request.path); },
-                          [this](const auto& request) { return change_solver(request.solver); });
+  const auto load = [this](const auto& request) {
+    require_whole_path("path", request.path);
+    return this->load(request.path);
+  };
+  services_.serve_changes(load, [this](const auto& request) { return change_solver(request.solver); });
 }
 
 std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path, const std::string& solver) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calls.h"
+#include "settings/words.h"
 
 #include <algorithm>
 #include <chrono>
@@ -32,7 +33,7 @@ bool Calls::start(const std::string& lane, const std::string& title, std::functi
       outcome.message = work();
     } catch (const std::exception& error) {
       outcome.success = false;
-      outcome.message = error.what();
+      outcome.message = reason_of(error);
     }
     const std::lock_guard ended(mutex_);
     outcomes_.push_back(outcome);

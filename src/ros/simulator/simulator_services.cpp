@@ -5,6 +5,8 @@
 
 #include "ros/base/log_text.h"
 #include "ros/base/topics.h"
+#include "ros/messages/message_limits.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 
@@ -45,11 +47,12 @@ ros::ServiceServer SimulatorServices::change(const std::string& name, Change<Ser
       name,
       [name, handler = std::move(handler)](auto& request, auto& response) {
         try {
+          require_in_limits<typename Service::Request>(request);
           response.message = handler(request);
           response.success = true;
         } catch (const std::exception& error) {
           response.success = false;
-          response.message = error.what();
+          response.message = reason_of(error);
           ROS_WARN("%s refused: %s", name.c_str(), log_text(error.what()).c_str());
         }
         return true;

@@ -63,9 +63,11 @@ struct FitParameter {
   std::optional<double> start, min, max;  // otherwise the scene's value, and bounds that suit the parameter
 };
 
+constexpr double kLeastMass_kg = 1.0e-6;  // of a robot that is weighed
+
 struct FitRequest {
   std::vector<FitParameter> parameters;
-  std::optional<double> mass_kg;    // > 0, of the whole body, weighed; otherwise the scene's density stands
+  std::optional<double> mass_kg;    // [1e-6, 1e6], of the whole body, weighed; otherwise the scene's density stands
   double model_error_m = 1.0e-4;    // >= 0; by how much a perfect fit would still miss a coordinate, beside the noise
   double outlier_deviations = 3.0;  // > 0; beyond, a residual counts linearly (Huber 1964)
   int max_iterations = 30;          // [1, 1000]

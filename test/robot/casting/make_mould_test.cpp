@@ -495,12 +495,12 @@ TEST(MakeMould, LeavesFoldersOfOthersAlone) {
   EXPECT_NE(beside.err.find("other files than a mould, as robot.yaml"), std::string::npos) << beside.err;
   EXPECT_EQ(contents(folder.path("older/mould.stl")), "an older mould");
   folder.write("used/mould.json", parts);
-  fs::copy_file(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/hollow_box.stl", folder.path("used/mould.stl"));
-  const std::string scene = folder.write("used.yaml", "body: {solid: {stl: used/mould.stl}}");
+  fs::copy_file(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/cylinder.step", folder.path("used/mould.step"));
+  const std::string scene = folder.write("used.yaml", "body: {solid: {step: used/mould.step}}");
   const Outcome used = run(folder, scene + " --output " + folder.path("used"));
   EXPECT_EQ(used.exit_status, 2);
-  EXPECT_NE(used.err.find("mould.stl: would be replaced, though it was read"), std::string::npos) << used.err;
-  EXPECT_TRUE(fs::exists(folder.path("used/mould.stl")));
+  EXPECT_NE(used.err.find("mould.step: would be replaced, though it was read"), std::string::npos) << used.err;
+  EXPECT_TRUE(fs::exists(folder.path("used/mould.step")));
 }
 
 TEST(MakeMould, NeedsNothingHeldAndMakesTheMouldOfASleeve) {

@@ -58,6 +58,24 @@ void append(Results& all, Results more) {
   for (auto& result : more) all.push_back(std::move(result));
 }
 
+TEST(MarkerTracking, TakesNamesOfTopicsForCamerasAndEachOnce) {
+  const auto refusal = [](const std::vector<std::string>& cameras) -> std::string {
+    TrackingOptions options;
+    options.cameras = cameras;
+    try {
+      options.validate();
+      return "";
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal({"left", "/lab/right_2"}), "");
+  EXPECT_EQ(refusal({"left", "right", "left"}), "cameras: 'left' is named twice");
+  for (const std::string name : {"", "../x", "1x", "a b", "it's", "gr\u00f6\u00dfe"})
+    EXPECT_EQ(refusal({"left", name}),
+              "cameras: '" + name + "' begins no topic; allowed: a letter, then letters, digits, _ and /");
+}
+
 TEST(MarkerTracking, FindsTheMarkersOfTwoCameras) {
   MarkerTracking tracking = make_tracking();
   Results results;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A running tracker gets what real cameras send on bad days: it says so, and goes on with the other camera.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -18,6 +19,7 @@
 #include "ros/messages/conversions.h"
 #include "ros/messages/image_messages.h"
 #include "ros/base/topics.h"
+#include "ros/nodes/read_parameter.h"
 #include "ros/tracking/tracking_input.h"
 #include "perception/tracking/drawn_scene.h"
 
@@ -229,6 +231,24 @@ TEST_F(TrackedCameras, AreNamedWhereTheirLensIsNotKnown) {
   EXPECT_TRUE(play_until([&] { return says("spare", "nothing usable came on spare/color/camera_info"); }))
       << status("spare");
   expect_markers_in_their_places();
+}
+
+TEST(NodeParameters, AreWholeWhereTheyCount) {
+  const ros::NodeHandle node("~");
+  int count = 7;
+  for (const double value : {1.5, 1e300, -1e10, std::nan("")}) {
+    node.setParam("count", value);
+    try {
+      read_parameter(node, "count", count);
+      FAIL() << value;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_STREQ(error.what(), "count: must be a whole number");
+    }
+  }
+  EXPECT_EQ(count, 7);
+  node.setParam("count", 3.0);
+  EXPECT_TRUE(read_parameter(node, "count", count));
+  EXPECT_EQ(count, 3);
 }
 
 TEST_F(TrackedCameras, AreNamedWhenTheyAreUnplugged) {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <ros/ros.h>
@@ -38,6 +40,12 @@ inline void require_parameter_in_limits(const std::string& name, const std::vect
 // where it is of another kind.
 template <class Value>
 bool read_parameter(const ros::NodeHandle& node, const std::string& name, Value& value) {
+  if constexpr (std::is_same_v<Value, int>) {  // ROS would round a number, and wrap one that is too large
+    double number = 0.0;
+    const bool is_number = node.getParam(name, number);
+    if (is_number && !(number == std::floor(number) && std::abs(number) <= std::numeric_limits<int>::max()))
+      throw std::invalid_argument(name + ": must be " + kind_of(value));
+  }
   if (!node.getParam(name, value)) {
     if (!node.hasParam(name)) return false;
     throw std::invalid_argument(name + ": must be " + kind_of(value));

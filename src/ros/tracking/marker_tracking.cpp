@@ -2,8 +2,11 @@
 #include "marker_tracking.h"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <utility>
+
+#include <ros/names.h>
 
 #include "ros/messages/conversions.h"
 #include "ros/messages/frames.h"
@@ -50,6 +53,14 @@ bool alike(const CameraModel& a, const CameraModel& b) {
 
 void TrackingOptions::validate() const {
   if (cameras.empty()) throw std::invalid_argument("cameras: there are none; allowed: at least one name");
+  std::set<std::string> names;
+  for (const std::string& camera : cameras) {
+    std::string ignored;
+    if (camera.empty() || !ros::names::validate(camera, ignored))
+      throw std::invalid_argument("cameras: '" + camera +
+                                  "' begins no topic; allowed: a letter, then letters, digits, _ and /");
+    if (!names.insert(camera).second) throw std::invalid_argument("cameras: '" + camera + "' is named twice");
+  }
   require_in_range("sync_tolerance_s", sync_tolerance_s, AllowedRange::not_negative());
   require_in_range("sync_timeout_s", sync_timeout_s, AllowedRange::not_negative());
   require_in_range("simulated_before_s", simulated_before_s, AllowedRange::not_negative());

@@ -31,6 +31,11 @@ SECOND = ("bodies: [{name: second, solid: {box: {size_m: [0.02, 0.02, 0.06], cen
           "element_size_m: 0.03, fixed: [{box: {min_m: [-1, -1, -1.0e-6], max_m: [1, 1, 1]}}]}]")
 BALL = "{name: ball, sphere: {center_m: [0.028, 0, -0.05], radius_m: 0.014}%s}"
 
+# A cube of unit size, for obstacles from meshes.
+CUBE = "".join("v %g %g %g\n" % (x, y, z) for z in (-0.5, 0.5) for x, y in
+               ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))) + \
+    "".join("f %s\n" % face for face in ("4 3 2 1", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8"))
+
 
 def body_with(more):
     return BAR["body"][:-1] + ", " + more + "}"
@@ -83,6 +88,11 @@ PARTS = {
     "free obstacle": ({"contact": "contact: {friction: 0.3, obstacles: [{name: floor, plane: {point_m: [0, 0, -0.08], "
                                   "normal: [0, 0, 1]}}, {name: block, box: {center_m: [0.03, 0, -0.075], "
                                   "size_m: [0.01, 0.01, 0.01]}, mass_kg: 0.01}]}"}, 0.95),
+    "obstacle of a `mesh`": ({"contact": "contact: {friction: 0.3, obstacles: [{name: block, mesh: cube.obj, "
+                                         "scale: 0.028, position_m: [0.0281, 0, -0.05]}]}"}, 0.95),
+    "free obstacle of a `mesh`": ({"contact": "contact: {friction: 0.3, obstacles: [{name: floor, mesh: cube.obj, "
+                                              "scale: 0.04, position_m: [0.04, 0, -0.1]}, {name: block, mesh: cube.obj, "
+                                              "scale: 0.01, position_m: [0.03, 0, -0.075], density_kg_m3: 10000}]}"}, 0.95),
     "`rayleigh_mass_per_s`": ({"body": body_with("damping: {rayleigh_mass_per_s: 2}")}, 0.95),
     "`rayleigh_stiffness_s`": ({"body": body_with("damping: {rayleigh_stiffness_s: 0.01}")}, 0.95),
     "hysteresis": ({"body": body_with("hysteresis: {stiffness_ratio: 0.2, relaxation_time_s: 1}")}, 0.95),
@@ -124,6 +134,8 @@ class Program:
 
     def __init__(self, programs, folder):
         self.programs, self.folder = programs, folder
+        with open(os.path.join(folder, "cube.obj"), "w") as file:
+            file.write(CUBE)
 
     def __call__(self, text, program, *arguments, works=(0,)):
         path = os.path.join(self.folder, "scene.yaml")

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -92,18 +93,77 @@ Vector3d ClosedSurface::outward(Eigen::Index triangle, const NearestOnTriangle& 
   return normals_.col(triangle);
 }
 
-std::vector<int> ClosedSurface::standing_out() const {
-  std::vector<char> stands(static_cast<std::size_t>(vertices_m_.cols()), 0);
-  for (Eigen::Index t = 0; t < count(); ++t) {
+std::vector<ClosedSurface::Edge> ClosedSurface::edges_standing_out() const {
+  std::vector<Edge> edges;
+  for (int t = 0; t < count(); ++t) {
     for (int side = 0; side < 3; ++side) {
       const int from = triangles_(side, t), to = triangles_((side + 1) % 3, t), beyond = neighbours_(side, t);
       for (const int corner : triangles_.col(beyond)) {
-        const Vector3d way_m = vertices_m_.col(corner) - vertices_m_.col(from);
-        if (corner == from || corner == to || normals_.col(t).dot(way_m) > -kStandsOut * way_m.norm()) continue;
-        stands[static_cast<std::size_t>(from)] = stands[static_cast<std::size_t>(to)] = 1;
+        const Vector3d way_m = vertices_m_.col(corner) - vertices_m_.col(from), one = normals_.col(t);
+        if (corner == from || corner == to || one.dot(way_m) > -kStandsOut * way_m.norm()) continue;
+        edges.push_back({std::min(from, to), std::max(from, to), {one, normals_.col(beyond)}});
       }
     }
   }
+  // Both of its triangles see it.
+  const auto ends = [](const Edge& edge) { return std::pair(edge.from, edge.to); };
+  std::sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return ends(a) < ends(b); });
+  edges.erase(std::unique(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return ends(a) == ends(b); }),
+              edges.end());
+  return edges;
+}
+
+std::vector<ClosedSurface::Edge> ClosedSurface::lines_standing_out() const {
+  const std::vector<Edge> edges = edges_standing_out();
+  std::multimap<int, std::size_t> at;
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    for (const int end : {edges[i].from, edges[i].to}) at.emplace(end, i);
+  const auto along = [&](int from, int to) -> Vector3d {
+    return (vertices_m_.col(to) - vertices_m_.col(from)).normalized();
+  };
+  const auto same_faces = [](const Edge& a, const Edge& b) {
+    const auto same = [&](std::size_t of_b) {
+      return a.normals[0].dot(b.normals[of_b]) > kOnePlane && a.normals[1].dot(b.normals[1 - of_b]) > kOnePlane;
+    };
+    return same(0) || same(1);
+  };
+  std::vector<char> used(edges.size(), 0);
+  // Goes on from the line's end `to`, until nothing does.
+  const auto grow = [&](const Edge& first, int from, int to) {
+    for (bool grows = true; grows;) {
+      grows = false;
+      const auto [begin, end] = at.equal_range(to);
+      for (auto next = begin; next != end && !grows; ++next) {
+        const Edge& edge = edges[next->second];
+        const int beyond = edge.from == to ? edge.to : edge.from;
+        if (used[next->second] != 0 || !same_faces(first, edge) || along(from, to).dot(along(to, beyond)) < kOnePlane)
+          continue;
+        used[next->second] = 1;
+        to = beyond;
+        grows = true;
+      }
+    }
+    return to;
+  };
+  std::vector<Edge> lines;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (used[i] != 0) continue;
+    used[i] = 1;
+    const Edge& edge = edges[i];
+    const int to = grow(edge, edge.from, edge.to);
+    lines.push_back({grow(edge, edge.to, edge.from), to, edge.normals});
+  }
+  return lines;
+}
+
+double ClosedSurface::Edge::angle_rad() const {
+  return std::atan2(normals[0].cross(normals[1]).norm(), normals[0].dot(normals[1]));
+}
+
+std::vector<int> ClosedSurface::standing_out() const {
+  std::vector<char> stands(static_cast<std::size_t>(vertices_m_.cols()), 0);
+  for (const Edge& edge : edges_standing_out())
+    stands[static_cast<std::size_t>(edge.from)] = stands[static_cast<std::size_t>(edge.to)] = 1;
   std::vector<int> vertices;
   for (int vertex = 0; vertex < vertices_m_.cols(); ++vertex)
     if (stands[static_cast<std::size_t>(vertex)] != 0) vertices.push_back(vertex);

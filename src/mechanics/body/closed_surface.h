@@ -2,6 +2,7 @@
 // A closed surface of triangles that face out: what it encloses, and how far points are from its triangles.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,7 +33,16 @@ class ClosedSurface {
   const Eigen::Vector3d& centroid_m() const { return centroid_m_; }
   const Eigen::Matrix3d& inertia_m5() const { return inertia_m5_; }  // about the centroid
 
-  std::vector<int> standing_out() const;  // vertices at edges that do, in their order
+  // Edges that stand out, each once, in order of their vertices; and such as follow one another along a line in one.
+  struct Edge {
+    int from, to;
+    std::array<Eigen::Vector3d, 2> normals;  // beside it
+
+    double angle_rad() const;  // between these
+  };
+  std::vector<Edge> edges_standing_out() const;
+  std::vector<Edge> lines_standing_out() const;
+  std::vector<int> standing_out() const;  // vertices at these, in their order
 
   // Faces of several triangles in one plane, by their areas times their normals.
   std::vector<Eigen::Vector3d> faces_m2() const;

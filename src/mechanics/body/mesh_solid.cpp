@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 
 #include "settings/limits.h"
+#include "settings/point_text.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -27,6 +29,8 @@ constexpr double kGone = 0.75;         // steps: farther than at the corner of a
 constexpr double kShareFarOff = 0.05;  // of it
 constexpr double kThinShare = 0.05;    // of the surface behind which it may be thinner, as near sharp edges
 constexpr double kLeastHalf = 1.0;     // steps: half of the thinnest wall that the grid sees
+constexpr double kLost = 4.0;          // steps from what is left: no edge ends so far inside
+constexpr double kExactFace = 2.0;     // steps from its sides, where a flat face is exact
 constexpr double kFlatFace = 0.125;  // of the largest size: the side of a square as large as a face that counts as flat
 
 struct Sample {
@@ -95,15 +99,6 @@ double largest_m(const ClosedSurface& surface) {
   throw std::invalid_argument(text.str());
 }
 
-[[noreturn]] void refuse_thin(double step_m, const Departure& off) {
-  std::ostringstream text;
-  text << "has walls too thin or details too fine: where edges are rounded by " << step_m << " m, "
-       << 100.0 * off.far_share << " % of its surface are off by a quarter of that, and all by " << off.mean * step_m
-       << " m in the mean; make walls at least " << 2.0 * step_m
-       << " m thick, leave details out, or choose a smaller rounding_m";
-  throw std::invalid_argument(text.str());
-}
-
 // From a place on the triangles straight in, to where that comes out again, in steps. The rounded surface may begin
 // farther in; 0: it is not met.
 double way_through(const DistanceGrid& grid, const Sample& sample) {
@@ -119,20 +114,54 @@ double way_through(const DistanceGrid& grid, const Sample& sample) {
   return 0.0;
 }
 
+struct ThinWall {
+  double half_m = 0.0;
+  Vector3d at_m = Vector3d::Zero();
+  bool lost = false;  // a pin or a fin that the rounded surface does not have at all
+};
+
+// Of the places that the surface is not met behind, the one that is farthest from all others; it is lost if that is
+// far.
+void find_lost(const std::vector<Sample>& samples, const std::vector<double>& ways, double step_m, ThinWall& thin) {
+  double farthest_m = kLost * step_m;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (ways[i] > 0.0) continue;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < samples.size() && nearest_m > farthest_m; ++k)
+      if (ways[k] > 0.0) nearest_m = std::min(nearest_m, (samples[k].at_m - samples[i].at_m).norm());
+    if (!(nearest_m > farthest_m)) continue;
+    farthest_m = nearest_m;
+    thin.at_m = samples[i].at_m;
+    thin.lost = true;
+  }
+}
+
 // By lines through it.
-double half_thickness_m(const DistanceGrid& grid, const std::vector<Sample>& samples) {
-  std::vector<std::pair<double, double>> ways;  // with areas
+ThinWall thin_wall(const DistanceGrid& grid, const std::vector<Sample>& samples) {
+  std::vector<double> ways;
+  std::vector<std::size_t> order(samples.size());
+  std::iota(order.begin(), order.end(), 0);
   double all_m2 = 0.0, sum_m2 = 0.0;
   for (const Sample& sample : samples) {
-    ways.emplace_back(way_through(grid, sample), sample.area_m2);
+    ways.push_back(way_through(grid, sample));
     all_m2 += sample.area_m2;
   }
-  std::sort(ways.begin(), ways.end());
-  for (const auto& [along, area_m2] : ways) {
-    sum_m2 += area_m2;
-    if (sum_m2 >= kThinShare * all_m2) return 0.5 * along * grid.step_m();
-  }
-  return 0.5 * ways.back().first * grid.step_m();
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return std::pair(ways[a], a) < std::pair(ways[b], b); });
+  std::size_t at = 0;
+  while (at + 1 < order.size() && (sum_m2 += samples[order[at]].area_m2) < kThinShare * all_m2) ++at;
+  ThinWall thin{0.5 * ways[order[at]] * grid.step_m(), samples[order[at]].at_m};
+  find_lost(samples, ways, grid.step_m(), thin);
+  return thin;
+}
+
+[[noreturn]] void refuse_thin(double step_m, const Departure& off, const Vector3d& at_m) {
+  std::ostringstream text;
+  text << "has walls too thin or details too fine, as at " << point_text(at_m) << ": where edges are rounded by "
+       << step_m << " m, " << 100.0 * off.far_share << " % of its surface are off by a quarter of that, and all by "
+       << off.mean * step_m << " m in the mean; make walls at least " << 2.0 * step_m
+       << " m thick, leave details out, or choose a smaller rounding_m";
+  throw std::invalid_argument(text.str());
 }
 
 // As coarse as the surface allows. Says half of the thickness that it found.
@@ -144,12 +173,11 @@ DistanceGrid grid_for(const ClosedSurface& surface, double rounding_m, double& h
     if (nodes > static_cast<double>(limits::kDistanceNodes)) refuse_large(step_m, nodes);
     DistanceGrid grid(surface, step_m);
     const Departure off = departure(grid, samples);
-    if (off.allowed(rounding_m > 0.0)) {
-      half_m = half_thickness_m(grid, samples);
-      if (half_m >= kLeastHalf * step_m) return grid;
-    }
+    const ThinWall thin = thin_wall(grid, samples);
+    half_m = thin.half_m;
+    if (off.allowed(rounding_m > 0.0) && half_m >= kLeastHalf * step_m && !thin.lost) return grid;
     const double finer = DistanceGrid::node_count(surface, 0.5 * step_m);
-    if (rounding_m > 0.0 || finer > static_cast<double>(limits::kDistanceNodes)) refuse_thin(step_m, off);
+    if (rounding_m > 0.0 || finer > static_cast<double>(limits::kDistanceNodes)) refuse_thin(step_m, off, thin.at_m);
     step_m *= 0.5;
   }
 }
@@ -217,6 +245,40 @@ Gap gap_by_spline(const DistanceGrid& grid, const Vector3d& at) {
   return {gap, normal, along * here.bend * along / length};
 }
 
+std::vector<MeshEdge> long_edges(const ClosedSurface& surface, double step_m, bool& all) {
+  std::vector<MeshEdge> edges;
+  for (const ClosedSurface::Edge& edge : surface.lines_standing_out()) {
+    const Vector3d from_m = surface.vertices_m().col(edge.from), to_m = surface.vertices_m().col(edge.to);
+    if ((to_m - from_m).norm() * std::min(1.0, edge.angle_rad()) > step_m)
+      edges.push_back({from_m, to_m, edge.normals});
+    else
+      all = false;
+  }
+  return edges;
+}
+
+// On the way from each corner that stands out to the middle of the circle that touches all sides.
+Eigen::Matrix3Xd places_beside_corners_m(const ClosedSurface& surface, double step_m) {
+  std::vector<char> stands(static_cast<std::size_t>(surface.vertices_m().cols()), 0);
+  for (const int vertex : surface.standing_out()) stands[static_cast<std::size_t>(vertex)] = 1;
+  std::vector<Vector3d> places;
+  for (Eigen::Index t = 0; t < surface.count(); ++t) {
+    const Matrix3d corners_m = surface.corners_m(t);
+    const Vector3d opposite_m((corners_m.col(1) - corners_m.col(2)).norm(),
+                              (corners_m.col(2) - corners_m.col(0)).norm(),
+                              (corners_m.col(0) - corners_m.col(1)).norm());
+    const double share = kExactFace * step_m * opposite_m.sum() / (2.0 * surface.area_m2(t));
+    if (!(share < 1.0)) continue;
+    const Vector3d middle_m = corners_m * opposite_m / opposite_m.sum();
+    for (int k = 0; k < 3; ++k)
+      if (stands[static_cast<std::size_t>(surface.triangles()(k, t))] != 0)
+        places.emplace_back(corners_m.col(k) + share * (middle_m - corners_m.col(k)));
+  }
+  Eigen::Matrix3Xd all(3, static_cast<Eigen::Index>(places.size()));
+  for (std::size_t i = 0; i < places.size(); ++i) all.col(static_cast<Eigen::Index>(i)) = places[i];
+  return all;
+}
+
 void require_few(const Eigen::Matrix3Xi& triangles) {
   if (static_cast<std::size_t>(triangles.cols()) <= limits::kObstacleTriangles) return;
   throw std::invalid_argument("holds " + std::to_string(triangles.cols()) + " triangles, at most " +
@@ -233,7 +295,9 @@ MeshSolid::MeshSolid(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi&
       flat_(mostly_flat(surface_)),
       bounding_radius_m_((vertices_m.colwise() - surface_.centroid_m()).colwise().norm().maxCoeff()),
       deepest_m_(grid_.to_metres(grid_.deepest())),
-      corners_m_(vertices_m(Eigen::all, surface_.standing_out())) {}
+      corners_m_(vertices_m(Eigen::all, surface_.standing_out())),
+      beside_corners_m_(places_beside_corners_m(surface_, grid_.step_m())),
+      edges_(long_edges(surface_, grid_.step_m(), edges_are_all_)) {}
 
 // Beyond the grid by how far that is, and by what is left from there on: no more than the distance.
 Gap MeshSolid::gap(const Vector3d& point_m) const {
@@ -247,6 +311,12 @@ Gap MeshSolid::gap(const Vector3d& point_m) const {
   }
   const Matrix3d& frame = grid_.frame();
   return {grid_.step_m() * gap.gap_m, frame * gap.normal, frame * gap.hessian * frame.transpose() / grid_.step_m()};
+}
+
+double MeshSolid::sharp_gap_m(const Vector3d& point_m) const {
+  const NearestTriangle nearest = tree_.nearest(surface_, point_m);
+  const Vector3d way_m = point_m - nearest.place.at_m;
+  return surface_.outward(nearest.triangle, nearest.place).dot(way_m) < 0.0 ? -nearest.distance_m : nearest.distance_m;
 }
 
 Gap MeshSolid::gap_of_ball(const Vector3d& point_m, double radius_m) const {

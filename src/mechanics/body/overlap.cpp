@@ -20,15 +20,22 @@ constexpr double kRounding = 0.01;          // of a face's size
 constexpr double kRoundingOfBodies = 1e-4;  // of the size of all
 constexpr double kOverlap = 0.01;           // of a free obstacle's size: so deep may it be in another one
 
+// Of a mesh by its triangles: its inner edges are rounded, and skin fits into them.
+double depth_in_m(const Obstacle& obstacle, const Eigen::Isometry3d& pose, const Eigen::Vector3d& at_m) {
+  const double rounded_m = -gap_to(obstacle.shape, pose, at_m).gap_m;
+  const auto* mesh = std::get_if<MeshShape>(&obstacle.shape);
+  return mesh == nullptr || rounded_m <= 0.0 ? rounded_m : -mesh->solid->sharp_gap_m(pose.inverse() * at_m);
+}
+
 // The skin, at its contact points and nodes.
 void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obstacle& obstacle) {
   const Eigen::Isometry3d pose = pose_at(obstacle, 0.0);
   double deepest_m = 0.0;
   Eigen::Vector3d where_m = Eigen::Vector3d::Zero();
   const auto look = [&](const Eigen::Vector3d& at, double face_size_m) {
-    const double gap_m = gap_to(obstacle.shape, pose, at).gap_m;
-    if (gap_m >= -kRounding * face_size_m || gap_m >= deepest_m) return;
-    deepest_m = gap_m;
+    const double depth_m = depth_in_m(obstacle, pose, at);
+    if (depth_m <= kRounding * face_size_m || depth_m <= deepest_m) return;
+    deepest_m = depth_m;
     where_m = at;
   };
   const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
@@ -39,7 +46,7 @@ void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obs
   }
   if (deepest_m == 0.0) return;
   std::ostringstream text;
-  text << "obstacle '" << obstacle.name << "' is " << -deepest_m << " m inside the body at the start, at "
+  text << "obstacle '" << obstacle.name << "' is " << deepest_m << " m inside the body at the start, at "
        << point_text(where_m) << "; must be outside, as where its motion starts";
   throw std::invalid_argument(text.str());
 }
@@ -53,13 +60,6 @@ void refuse_swallowed(const Body& body, const Obstacle& obstacle) {
   if (MeshLocator(body.mesh()).locate(middle_m).distance_m > 0.0) return;
   throw std::invalid_argument("obstacle '" + obstacle.name + "': its middle, " + point_text(middle_m) +
                               ", is inside the body at the start; must be outside");
-}
-
-void refuse_unknown(const Obstacle& own, const Obstacle& other) {
-  const std::string why = unknown_pair(own.shape, other.shape);
-  if (why.empty()) return;
-  throw std::invalid_argument("obstacle '" + own.name + "' is free and may meet obstacle '" + other.name + "', but " +
-                              why + "; give both no mass_kg, or make one of simpler shapes");
 }
 
 void refuse_inside(const Obstacle& own, const PlacedShape& one, const Obstacle& others, const PlacedShape& other) {
@@ -84,7 +84,6 @@ void refuse_free_inside(const std::vector<Obstacle>& obstacles) {
   for (int one = 0; one < count; ++one) {
     for (int other = 0; other < count && free.index_of(one) >= 0; ++other) {
       if (other == one || (other < one && free.index_of(other) >= 0)) continue;
-      refuse_unknown(obstacles[static_cast<std::size_t>(one)], obstacles[static_cast<std::size_t>(other)]);
       refuse_inside(obstacles[static_cast<std::size_t>(one)], placed(one), obstacles[static_cast<std::size_t>(other)],
                     placed(other));
     }

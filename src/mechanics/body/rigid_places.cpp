@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "free_obstacles.h"
 #include "gap.h"
@@ -18,14 +17,17 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr int kOnRim = 24;
-constexpr int kOnLine = 24;  // parts of a line
+constexpr int kOnLine = 24, kOnShortLine = 4;  // parts of a line, of a short one at least
 constexpr double kApart = 2.0 * M_PI / kOnRim;
 constexpr int kHalvings = 50;         // of an arc in which the nearest point of a rim is
 constexpr double kFlat = 1e-3;        // of its radius: a rim whose points are so alike lies flat on the other
 constexpr double kParallel = 1e-6;    // sine of an angle
 constexpr double kBesideFace = 0.05;  // how far a normal may point past a face of its edge
+constexpr double kBesideEnd = 1e-6;   // of its length: so far past its ends an edge crosses others that end there too
 constexpr int kCuts = 250;            // each leaves 0.84 of the volume in which the nearest place is
 constexpr double kDeepest = 0.5;      // of the smaller of two half extents
+constexpr double kInside = 0.25;      // steps: no flat face bears an edge there, which crosses its own edges
+constexpr std::size_t kCrossings = 50000;  // of edges of two meshes
 
 // What a shape touches with.
 struct Features {
@@ -49,7 +51,7 @@ Features features(const Cylinder& cylinder) {
   const double radius_m = cylinder.radius_m - cylinder.rounding_m;
   return {{},
           {{start_m, -axis, radius_m, cylinder.rounding_m}, {end_m, axis, radius_m, cylinder.rounding_m}},
-          {{start_m, end_m, cylinder.radius_m, {}}}};
+          {{start_m, end_m, cylinder.radius_m, {}, true}}};
 }
 
 Features features(const RoundedBox& box) {
@@ -71,10 +73,23 @@ Features features(const RoundedBox& box) {
   return all;
 }
 
+void add_points(const Eigen::Matrix3Xd& places_m, Features& all) {
+  for (const auto& at_m : places_m.colwise()) all.points.push_back({at_m, 0.0});
+}
+
 // Edges of others meet it wherever they are, so its own are left out.
 Features features(const MeshShape& mesh) {
   Features all;
-  for (const auto& corner_m : mesh.solid->corners_m().colwise()) all.points.push_back({corner_m, 0.0});
+  add_points(mesh.solid->corners_m(), all);
+  return all;
+}
+
+// For another mesh.
+Features all_features(const MeshShape& mesh) {
+  Features all = features(mesh);
+  add_points(mesh.solid->beside_corners_m(), all);
+  for (const MeshEdge& edge : mesh.solid->edges())
+    all.lines.push_back({edge.from_m, edge.to_m, 0.0, {edge.normals[0], edge.normals[1]}});
   return all;
 }
 
@@ -105,12 +120,26 @@ void add_on_shape(const Features& features, bool of_other, std::vector<RigidPlac
   }
 }
 
-void add_on_mesh(const Features& features, bool of_other, std::vector<RigidPlace>& all) {
+// Lines of a shape of that size; 0: each of them is long. Where a line is nearest it meets the mesh only so far inside.
+void add_on_mesh(const Features& features, double size_m, double inside_m, bool of_other,
+                 std::vector<RigidPlace>& all) {
   for (const RoundedLine& line : features.lines) {
-    for (int i = 1; i < kOnLine; ++i)
-      all.push_back({of_other, BallOnShape{{line.from_m + (line.to_m - line.from_m) * i / kOnLine, line.radius_m}}});
-    for (const int valley : {0, 1}) all.push_back({of_other, LineOnMesh{line, valley}});
+    const Vector3d along_m = line.to_m - line.from_m;
+    const int parts = static_cast<int>(
+        std::clamp(std::ceil(kOnLine * along_m.norm() / size_m), double{kOnShortLine}, double{kOnLine}));
+    const double from_end_m = line.flat_ends ? line.radius_m : 0.0;  // balls nearer to it would stand out there
+    for (int i = 1; i < parts; ++i)
+      if (along_m.norm() * std::min(i, parts - i) / parts >= from_end_m)
+        all.push_back({of_other, BallOnShape{{line.from_m + along_m * i / parts, line.radius_m}}});
+    RoundedLine thin = line;
+    thin.radius_m -= inside_m;
+    for (const int valley : {0, 1}) all.push_back({of_other, LineOnMesh{thin, parts, valley}});
   }
+}
+
+void add_crossings(const Features& own, const Features& theirs, double deepest_m, std::vector<RigidPlace>& all) {
+  for (const RoundedLine& line : own.lines)
+    for (const RoundedLine& across : theirs.lines) all.push_back({false, LineOnLine{line, across, deepest_m}});
 }
 
 // In robot_base.
@@ -207,23 +236,28 @@ std::optional<RigidMeeting> meet_with(const LineOnMesh& place, const Isometry3d&
                                       const Isometry3d& pose) {
   const RoundedLine line = placed(place.line, own_pose);
   const Vector3d along_m = line.to_m - line.from_m;
+  const auto gap_at = [&](double share) -> Gap {
+    return gap_of_ball(shape, pose, line.from_m + share * along_m, line.radius_m);
+  };
+  const Gap of_middle = gap_at(0.5);
+  const double least_m = of_middle.gap_m - 0.5 * along_m.norm() - line.radius_m;  // of all its points
+  if (least_m > size_m(shape))
+    return RigidMeeting{least_m, of_middle.normal, line.from_m + 0.5 * along_m, Eigen::Matrix3d::Zero()};
   std::array<double, kOnLine + 1> gaps_m;
-  for (int i = 0; i <= kOnLine; ++i)
-    gaps_m[static_cast<std::size_t>(i)] =
-        gap_of_ball(shape, pose, line.from_m + along_m * i / kOnLine, line.radius_m).gap_m;
-  const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
+  const int parts = place.parts;
+  for (int i = 0; i <= parts; ++i) gaps_m[static_cast<std::size_t>(i)] = gap_at(static_cast<double>(i) / parts).gap_m;
+  const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.begin() + parts + 1);
   const auto along = [&](int i) { return gaps_m[static_cast<std::size_t>(i)]; };
-  const int valley = nearest_valley(1, kOnLine, along, place.valley);  // its ends are corners
+  const int valley = nearest_valley(1, parts, along, place.valley);  // its ends are corners
   if (valley < 0 || *most - *least < kFlat * along_m.norm()) return std::nullopt;
   Gap gap;
-  Vector3d at_m;
-  double low = static_cast<double>(valley - 1) / kOnLine, high = static_cast<double>(valley + 1) / kOnLine;
+  double share = 0.0, low = static_cast<double>(valley - 1) / parts, high = static_cast<double>(valley + 1) / parts;
   for (int i = 0; i < kHalvings; ++i) {
-    const double share = 0.5 * (low + high);
-    at_m = line.from_m + share * along_m;
-    gap = gap_of_ball(shape, pose, at_m, line.radius_m);
+    share = 0.5 * (low + high);
+    gap = gap_at(share);
     (gap.normal.dot(along_m) > 0.0 ? high : low) = share;
   }
+  const Vector3d at_m = line.from_m + share * along_m;
   const double curvature_m = along_m.dot(gap.hessian * along_m);
   Eigen::Matrix3d bend = gap.hessian;
   if (curvature_m > 0.0) {
@@ -235,12 +269,14 @@ std::optional<RigidMeeting> meet_with(const LineOnMesh& place, const Isometry3d&
 
 std::optional<RigidMeeting> meet_with(const LineOnLine& place, const Isometry3d& own_pose,
                                       const ObstacleShape& /*shape*/, const Isometry3d& pose) {
-  const RoundedLine own = placed(place.own, own_pose), other = placed(place.other, pose);
-  const Vector3d along = own.to_m - own.from_m, across = other.to_m - other.from_m, square = along.cross(across);
+  const Vector3d from_m = own_pose * place.own.from_m, other_from_m = pose * place.other.from_m,
+                 along = own_pose * place.own.to_m - from_m, across = pose * place.other.to_m - other_from_m,
+                 square = along.cross(across);
   if (square.norm() < kParallel * along.norm() * across.norm()) return std::nullopt;
-  const Eigen::Vector2d at = closest(own.from_m, along, other.from_m, across);
-  if (at.minCoeff() < 0.0 || at.maxCoeff() > 1.0) return std::nullopt;
-  const Vector3d own_m = own.from_m + at[0] * along, other_m = other.from_m + at[1] * across;
+  const Eigen::Vector2d at = closest(from_m, along, other_from_m, across);
+  if (at.minCoeff() < -kBesideEnd || at.maxCoeff() > 1.0 + kBesideEnd) return std::nullopt;
+  const RoundedLine own = placed(place.own, own_pose), other = placed(place.other, pose);
+  const Vector3d own_m = from_m + at[0] * along, other_m = other_from_m + at[1] * across;
   const Vector3d normal = outward(square.normalized(), own.faces, other.faces, own_m - other_m);
   const double apart_m = normal.dot(own_m - other_m);
   if (normal.isZero(0.0) || apart_m < -place.deepest_m) return std::nullopt;
@@ -259,16 +295,41 @@ double bound(const RoundedBox& box) { return 0.5 * box.size_m.norm(); }
 double bound(const MeshShape& mesh) { return mesh.solid->bounding_radius_m(); }
 
 bool is_mesh(const ObstacleShape& shape) { return std::holds_alternative<MeshShape>(shape); }
+bool has_edges(const ObstacleShape& shape) { return is_mesh(shape) || std::holds_alternative<RoundedBox>(shape); }
+
+// Behind an edge there is no less of the shape, but for sharp ones.
+double behind_edges_m(const ObstacleShape& shape) {
+  const auto* mesh = std::get_if<MeshShape>(&shape);
+  return mesh == nullptr ? kDeepest * size_m(shape) : mesh->solid->half_thickness_m();
+}
+
+// Of two meshes, or a mesh and a box. Where their edges are few these cross as they are, and only what is deep meets
+// the other where it is nearest; otherwise all does.
+std::vector<RigidPlace> places_with_meshes(const ObstacleShape& one, const ObstacleShape& other) {
+  const auto features_with = [](const ObstacleShape& shape) {
+    return is_mesh(shape) ? all_features(std::get<MeshShape>(shape)) : features_of(shape);
+  };
+  const Features own = features_with(one), theirs = features_with(other);
+  const bool few = own.lines.size() * theirs.lines.size() <= kCrossings;
+  std::vector<RigidPlace> all;
+  for (const bool of_other : {false, true}) {
+    const ObstacleShape &its = of_other ? other : one, &on = of_other ? one : other;
+    const Features& features = of_other ? theirs : own;
+    add_on_shape(features, of_other, all);
+    const auto* mesh = std::get_if<MeshShape>(&on);
+    if (mesh == nullptr) continue;
+    const bool cross = few && mesh->solid->edges_are_all();
+    const double inside_m = cross ? kInside * mesh->solid->rounding_m() : 0.0;
+    add_on_mesh(features, 2.0 * bounding_radius_m(its), inside_m, of_other, all);
+  }
+  if (few) add_crossings(own, theirs, std::min(behind_edges_m(one), behind_edges_m(other)), all);
+  return all;
+}
 
 }  // namespace
 
-std::string unknown_pair(const ObstacleShape& one, const ObstacleShape& other) {
-  if (!is_mesh(one) || !is_mesh(other)) return {};
-  return "both are meshes, and where edges of two meshes cross is not found";
-}
-
 std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleShape& other) {
-  if (const std::string why = unknown_pair(one, other); !why.empty()) throw std::invalid_argument(why);
+  if ((is_mesh(one) && has_edges(other)) || (is_mesh(other) && has_edges(one))) return places_with_meshes(one, other);
   const Features own = features_of(one), theirs = features_of(other);
   std::vector<RigidPlace> all;
   if (std::holds_alternative<Sphere>(other) && !std::holds_alternative<Sphere>(one)) {
@@ -279,14 +340,29 @@ std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleSha
   if (std::holds_alternative<Sphere>(one)) return all;
   add_on_shape(theirs, true, all);
   if (is_mesh(one) || is_mesh(other)) {
-    add_on_mesh(is_mesh(other) ? own : theirs, is_mesh(one), all);
+    add_on_mesh(is_mesh(other) ? own : theirs, 0.0, 0.0, is_mesh(one), all);
     return all;
   }
-  const double deepest_m = kDeepest * std::min(size_m(one), size_m(other));
-  for (const RoundedLine& line : own.lines)
-    for (const RoundedLine& across : theirs.lines) all.push_back({false, LineOnLine{line, across, deepest_m}});
+  add_crossings(own, theirs, kDeepest * std::min(size_m(one), size_m(other)), all);
   return all;
 }
+
+namespace {
+
+// Edges are through one another only where each is in the other's solid: beyond a thin wall, or where a mesh is hollow,
+// lines have crossed without that.
+bool is_crossing(const RigidMeeting& met, const ObstacleShape& one, const Isometry3d& one_pose,
+                 const ObstacleShape& other, const Isometry3d& other_pose) {
+  if (met.gap_m >= 0.0) return true;
+  const auto within = [](const ObstacleShape& shape, const Isometry3d& pose, const Vector3d& at_m) {
+    const auto* mesh = std::get_if<MeshShape>(&shape);
+    return mesh == nullptr || gap_to(shape, pose, at_m).gap_m < mesh->solid->rounding_m();
+  };
+  const Vector3d half_m = 0.5 * met.gap_m * met.normal;
+  return within(other, other_pose, met.position_m + half_m) && within(one, one_pose, met.position_m - half_m);
+}
+
+}  // namespace
 
 std::optional<RigidMeeting> meet(const RigidPlace& place, const ObstacleShape& one, const Isometry3d& one_pose,
                                  const ObstacleShape& other, const Isometry3d& other_pose) {
@@ -295,6 +371,8 @@ std::optional<RigidMeeting> meet(const RigidPlace& place, const ObstacleShape& o
   };
   std::optional<RigidMeeting> met = std::visit(with, place.kind);
   if (met && place.of_other) met->normal = -met->normal;
+  if (met && std::holds_alternative<LineOnLine>(place.kind) && !is_crossing(*met, one, one_pose, other, other_pose))
+    return std::nullopt;
   return met;
 }
 

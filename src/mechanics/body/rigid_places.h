@@ -3,15 +3,16 @@
 // Every shape is a core that its surface rounds off by a radius: a point, an axis, a flat disc of a cylinder, a box.
 //   ball on shape   a sphere, an end of a capsule, a corner of a box or mesh, one of 24 points of a cylinder's edge
 //   rim on shape    the two points of a cylinder's edge that are nearest: it rolls on a circle, not on a polygon
-//   line on line    an edge of a box or the axis of a capsule or a cylinder, against another one that it crosses
-//   line on mesh    the two points of such a line that are nearest to a mesh, and 23 points along it
+//   line on line    an edge of a box or of a mesh, or the axis of a capsule or a cylinder, that crosses another one
+//   line on mesh    the two points of such a line, or of an edge of another mesh, that are nearest to a mesh, and 23
+//                   points along it, fewer of short ones
+//   point on mesh   of two meshes also places in the faces of either, beside its corners
 // The least gap of all is how far apart the shapes are, where they do not overlap by more than their roundings: every
-// pair of sphere, capsule, cylinder and box, and each of them and a mesh on a plane and on one another, but for two
-// meshes.
+// pair of sphere, capsule, cylinder, box and mesh, and each of them on a plane. Where meshes have many edges, which
+// cross others, each is rounded for the other, so they meet up to half a step of the grid late.
 #pragma once
 
 #include <optional>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct RoundedLine {
   Eigen::Vector3d from_m, to_m;
   double radius_m;
   std::vector<Eigen::Vector3d> faces;  // normals of the two faces that meet in it; none of an axis
+  bool flat_ends = false;              // an axis of a cylinder
 };
 
 struct RoundedRim {
@@ -48,6 +50,7 @@ struct RimOnShape {
 };
 struct LineOnMesh {
   RoundedLine line;
+  int parts;   // in which it is looked at
   int valley;  // as of a rim
 };
 struct LineOnLine {
@@ -60,10 +63,7 @@ struct RigidPlace {
   std::variant<BallOnShape, RimOnShape, LineOnMesh, LineOnLine> kind;
 };
 
-// Why two shapes cannot touch one another here; empty: they can.
-std::string unknown_pair(const ObstacleShape& one, const ObstacleShape& other);
-
-// All of one shape and another, in an order that never changes. Throws std::invalid_argument where they cannot.
+// All of one shape and another, in an order that never changes.
 std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleShape& other);
 
 struct RigidMeeting {

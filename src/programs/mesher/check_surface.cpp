@@ -75,7 +75,7 @@ void refuse_doubled(const Surface& surface) {
   if (doubled == 0) return;
   refuse((doubled == 1 ? std::string("a facet stands twice, at ")
                        : std::to_string(doubled) + " facets stand twice, the first at ") +
-         point_text(surface.centre(first)));
+         point_text(surface.centre(first)) + "; leave out what stands twice");
 }
 
 struct EdgeUse {
@@ -104,10 +104,11 @@ void refuse_open(const Surface& surface, const Edges& edges) {
     return count > 1 ? "; " + std::to_string(count - 1) + " more edges are like that" : std::string();
   };
   if (open > 0)
-    refuse("its surface is not closed: the edge at " + point_text(first_open) + " has one facet" + more(open));
+    refuse("its surface is not closed: the edge at " + point_text(first_open) + " has one facet" + more(open) +
+           "; fill its holes, or give a sheet a thickness");
   if (crowded > 0)
     refuse("its surface touches itself: the edge at " + point_text(first_crowded) + " has more than two facets" +
-           more(crowded));
+           more(crowded) + "; join what touches into one solid, or part it");
 }
 
 // Facets that hang together through edges.
@@ -289,7 +290,9 @@ Point worst_of(const Surface& surface, std::vector<Cut> cuts) {
 
 void refuse_cuts(const Surface& surface) {
   const std::vector<Cut> cuts = cuts_of(surface);
-  if (!cuts.empty()) refuse("its surface cuts itself near " + point_text(worst_of(surface, cuts)));
+  if (!cuts.empty())
+    refuse("its surface cuts itself near " + point_text(worst_of(surface, cuts)) +
+           "; unite what overlaps into one surface");
 }
 
 }  // namespace

@@ -66,6 +66,32 @@ inline Triangles l_triangles(double long_m, double arm_m, double height_m) {
                {{0, 1, 2, 3}, {0, 3, 4, 5}});
 }
 
+// An outline of radii and heights that begins and ends on the y axis, turned about it: counter-clockwise with the
+// radius to the right and y up.
+inline Triangles turned(const std::vector<Eigen::Vector2d>& outline, int segments) {
+  const int inner = static_cast<int>(outline.size()) - 2;
+  Triangles all{Eigen::Matrix3Xd(3, inner * segments + 2), Eigen::Matrix3Xi(3, 2 * inner * segments)};
+  const auto vertex = [&](int ring, int i) { return 1 + ring * segments + i % segments; };
+  all.vertices_m.col(0) << 0.0, outline.front().y(), 0.0;
+  all.vertices_m.rightCols<1>() << 0.0, outline.back().y(), 0.0;
+  Eigen::Index column = 0;
+  for (int i = 0; i < segments; ++i) {
+    const double angle_rad = 2.0 * M_PI * i / segments;
+    for (int ring = 0; ring < inner; ++ring) {
+      const Eigen::Vector2d& at = outline[static_cast<std::size_t>(ring + 1)];
+      all.vertices_m.col(vertex(ring, i)) << at.x() * std::cos(angle_rad), at.y(), at.x() * std::sin(angle_rad);
+    }
+    all.triangles.col(column++) << 0, vertex(0, i), vertex(0, i + 1);
+    for (int ring = 0; ring + 1 < inner; ++ring) {
+      all.triangles.col(column++) << vertex(ring, i), vertex(ring + 1, i), vertex(ring + 1, i + 1);
+      all.triangles.col(column++) << vertex(ring, i), vertex(ring + 1, i + 1), vertex(ring, i + 1);
+    }
+    all.triangles.col(column++) << vertex(inner - 1, i), static_cast<int>(all.vertices_m.cols()) - 1,
+        vertex(inner - 1, i + 1);
+  }
+  return all;
+}
+
 // An octahedron whose triangles are quartered `rounds` times.
 inline Triangles sphere_triangles(const Eigen::Vector3d& center_m, double radius_m, int rounds) {
   std::vector<Eigen::Vector3d> at{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};

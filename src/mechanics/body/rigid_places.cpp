@@ -9,6 +9,7 @@
 #include "free_obstacles.h"
 #include "gap.h"
 #include "mesh_solid.h"
+#include "rigid_features.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -28,13 +29,6 @@ constexpr int kCuts = 250;            // each leaves 0.84 of the volume in which
 constexpr double kDeepest = 0.5;      // of the smaller of two half extents
 constexpr double kInside = 0.25;      // steps: no flat face bears an edge there, which crosses its own edges
 constexpr std::size_t kCrossings = 50000;  // of edges of two meshes
-
-// What a shape touches with.
-struct Features {
-  std::vector<RoundedPoint> points;
-  std::vector<RoundedRim> rims;
-  std::vector<RoundedLine> lines;
-};
 
 Features features(const Plane& /*never free, and touched alone*/) { return {}; }
 Features features(const Sphere& sphere) { return {{{sphere.center_m, sphere.radius_m}}, {}, {}}; }
@@ -93,7 +87,8 @@ Features all_features(const MeshShape& mesh) {
   return all;
 }
 
-Features features_of(const ObstacleShape& shape) {
+// Of a mesh its corners alone.
+Features features_on_shapes(const ObstacleShape& shape) {
   return std::visit([](const auto& one) { return features(one); }, shape);
 }
 
@@ -306,10 +301,7 @@ double behind_edges_m(const ObstacleShape& shape) {
 // Of two meshes, or a mesh and a box. Where their edges are few these cross as they are, and only what is deep meets
 // the other where it is nearest; otherwise all does.
 std::vector<RigidPlace> places_with_meshes(const ObstacleShape& one, const ObstacleShape& other) {
-  const auto features_with = [](const ObstacleShape& shape) {
-    return is_mesh(shape) ? all_features(std::get<MeshShape>(shape)) : features_of(shape);
-  };
-  const Features own = features_with(one), theirs = features_with(other);
+  const Features own = features_of(one), theirs = features_of(other);
   const bool few = own.lines.size() * theirs.lines.size() <= kCrossings;
   std::vector<RigidPlace> all;
   for (const bool of_other : {false, true}) {
@@ -328,9 +320,13 @@ std::vector<RigidPlace> places_with_meshes(const ObstacleShape& one, const Obsta
 
 }  // namespace
 
+Features features_of(const ObstacleShape& shape) {
+  return is_mesh(shape) ? all_features(std::get<MeshShape>(shape)) : features_on_shapes(shape);
+}
+
 std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleShape& other) {
   if ((is_mesh(one) && has_edges(other)) || (is_mesh(other) && has_edges(one))) return places_with_meshes(one, other);
-  const Features own = features_of(one), theirs = features_of(other);
+  const Features own = features_on_shapes(one), theirs = features_on_shapes(other);
   std::vector<RigidPlace> all;
   if (std::holds_alternative<Sphere>(other) && !std::holds_alternative<Sphere>(one)) {
     add_on_shape(theirs, true, all);
@@ -400,13 +396,12 @@ double least_gap_m(const PlacedShape& one, const PlacedShape& other) {
 
 // The larger of the distances from a point to both is convex, and half of what they are apart where it is least: found
 // by ellipsoids around that place, each cut through its middle (Shor 1977).
-double apart_m(const PlacedShape& one, const PlacedShape& other) {
-  if (is_mesh(one.shape) || is_mesh(other.shape)) return least_gap_m(one, other);
+double apart_by_cuts_m(const PlacedShape& one, const PlacedShape& other, int cuts) {
   Vector3d at_m = one.pose * center_m(one.shape);
   const double reach_m = bounding_radius_m(one.shape) + std::max(0.0, gap_to(other.shape, other.pose, at_m).gap_m);
   Eigen::Matrix3d around_m2 = reach_m * reach_m * Eigen::Matrix3d::Identity();
   double least_m = std::numeric_limits<double>::infinity();
-  for (int cut = 0; cut < kCuts; ++cut) {
+  for (int cut = 0; cut < cuts; ++cut) {
     const Gap own = gap_to(one.shape, one.pose, at_m), others = gap_to(other.shape, other.pose, at_m);
     const Gap& larger = own.gap_m > others.gap_m ? own : others;
     least_m = std::min(least_m, larger.gap_m);
@@ -417,6 +412,11 @@ double apart_m(const PlacedShape& one, const PlacedShape& other) {
     around_m2 = 9.0 / 8.0 * (around_m2 - 0.5 / square_m2 * along_m2 * along_m2.transpose());
   }
   return 2.0 * least_m;
+}
+
+double apart_m(const PlacedShape& one, const PlacedShape& other) {
+  if (is_mesh(one.shape) || is_mesh(other.shape)) return least_gap_m(one, other);
+  return apart_by_cuts_m(one, other, kCuts);
 }
 
 }  // namespace soft_robot_lab

@@ -455,6 +455,9 @@ void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options,
   seek_equilibrium(parts, options, report);
   note_free_motions(parts, report);
   if (report.converged) refuse_impossible_actuators(parts, report);
+  if (report.converged)
+    report_overlap(overlap_at(parts.body, parts.workspace.newton.contact(), parts.state.contact), parts.body,
+                   "; let steps in time bring it there", report);
   if (!report.converged) parts.state = start;
 }
 

@@ -93,6 +93,20 @@ void note_snap(const Snap& snap, SolveReport& report) {
   add_warning(warning, report.warnings);
 }
 
+void report_overlap(const RigidOverlap& overlap, const Body& body, const std::string& help, SolveReport& report) {
+  if (!overlap.found()) return;
+  SolveWarning warning;
+  warning.kind = "rigid_overlap";
+  warning.actuator = body.obstacles()[static_cast<std::size_t>(overlap.one)].name;
+  warning.size = overlap.depth_m;
+  warning.unit = "m";
+  warning.text = text_of(overlap, body) + help;
+  report.converged = false;
+  if (report.message.find(text_of(overlap, body)) == std::string::npos)
+    report.message += (report.message.empty() ? "" : "; ") + warning.text;
+  add_warning(warning, report.warnings);
+}
+
 void report_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report) {
   if (cuts.parts <= most) return;
   SolveWarning warning;

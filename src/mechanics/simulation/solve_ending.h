@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "mechanics/contact/fast_obstacles.h"
+#include "mechanics/contact/rigid_overlap.h"
 #include "mechanics/newton/newton_solver.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/solve_report.h"
@@ -28,6 +31,9 @@ struct Snap {
 Snap snap_between(const Eigen::Matrix3Xd& before_m, const Eigen::Matrix3Xd& after_m, double share, bool other_side,
                   const Body& body);
 void note_snap(const Snap& snap, SolveReport& report);
+
+// That rigid things are in one another: no such state is a solution. `help`: what to do.
+void report_overlap(const RigidOverlap& overlap, const Body& body, const std::string& help, SolveReport& report);
 
 // That an obstacle was too fast for a step of length h, which is cut into no more than `most` parts.
 void report_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report);

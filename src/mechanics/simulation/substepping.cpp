@@ -206,6 +206,9 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
   const int most = task.substep_count << constants::kDoublings;
   task.substep_count = std::max(task.substep_count, static_cast<int>(std::ceil(std::min<double>(cuts.parts, most))));
   const XpbdReport done = advance_in_substeps(parts, task, before, report);
+  if (done.finite)
+    report_overlap(overlap_at(parts.body, parts.workspace.newton.contact(), parts.state.contact), parts.body,
+                   "; choose a shorter solver.time_step_s or more solver.substeps", report);
   report_fast_obstacle(cuts, most, parts.body, task.time_step_s, report);
   if (!done.finite) return;
   parts.state.time_s += task.time_step_s;

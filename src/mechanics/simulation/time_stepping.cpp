@@ -180,9 +180,12 @@ Outcome try_rule(SimulationParts& parts, double h, StepRule rule, bool last_reso
   }
   const bool second_order = difference.weight_before > 0.0 || difference.trapezoidal;
   if (second_order && opened_or_closed(before.contact, unknown.contact)) return Outcome::impact;
+  const RigidOverlap overlap = overlap_on_way(parts.body, parts.workspace.newton.contact(), unknown.contact);
+  if (overlap.found() && !last_resort) return Outcome::failed;
   accept_step(parts, h, difference, viscous, free, std::move(unknown), std::move(before), solved);
   if (!moves_on) come_to_rest(parts);
   if (parts.energy && !solved) parts.energy->notice_rescue(parts, parts.state);
+  if (overlap.found()) report_overlap(overlap, parts.body, "", report);
   return Outcome::taken;
 }
 
@@ -311,6 +314,8 @@ void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
   if (!is_power_of_two(inverted_steps) || !advance_untangled(parts, h, cuts, report))
     advance(parts, h, CommandPath(parts, h), whole_step(cuts), report);
   parts.state.inverted_steps = report.inverted_elements > 0 ? inverted_steps + 1 : 0;
+  report_overlap(overlap_at(parts.body, parts.workspace.newton.contact(), state.contact), parts.body,
+                 "; choose a shorter solver.time_step_s", report);
   report_fast_obstacle(cuts, constants::kMostParts, parts.body, h, report);
   fall_asleep_where_still(parts, h, report);
 }

@@ -177,7 +177,7 @@ std::vector<Laid> laid() {
 
 enum class Pairing { meshes, above, below };  // which are meshes
 
-std::vector<Obstacle> scene(const Laid& one, Pairing pairing, double friction, const Placing& placing = {}) {
+std::vector<Obstacle> obstacles_of(const Laid& one, Pairing pairing, double friction, const Placing& placing = {}) {
   std::vector<Obstacle> all;
   for (const Solid& solid : one.below)
     all.push_back({"below_" + std::to_string(all.size()),
@@ -216,7 +216,7 @@ std::vector<Placing> placings() {
 
 void expect_stays_in_time(const std::string& name, Simulation& simulation, double scale, const Vector3d& gravity_m_s2) {
   const Vector3d start_m = center_m(simulation);
-  for (int i = 0; i < 36; ++i) {
+  for (int i = 0; i < 24; ++i) {
     const SolveReport report = simulation.step();
     ASSERT_TRUE(report.converged) << name << ": " << report.message << " in step " << i;
   }
@@ -230,13 +230,21 @@ SolverOptions with_integrator(Integrator integrator) {
   return options;
 }
 
+// Each in one placing, but those of these kinds in all.
+bool is_looked_at(std::size_t scene, std::size_t placing) {
+  return scene % 4 == placing || laid()[scene].name == "off its middle" || laid()[scene].name == "a plate on a post";
+}
+
 TEST(MeshLaid, StaysInTime) {
-  int count = 0;
-  for (const Placing& placing : placings()) {
-    const auto integrator = ++count % 2 == 0 ? Integrator::implicit_euler : Integrator::tr_bdf2;
-    for (const Laid& one : laid()) {
+  for (std::size_t count = 0; count < placings().size(); ++count) {
+    const Placing placing = placings()[count];
+    for (std::size_t scene = 0; scene < laid().size(); ++scene) {
+      if (!is_looked_at(scene, count)) continue;
+      const Laid one = laid()[scene];
+      const auto integrator = (count + scene / 4) % 2 == 0 ? Integrator::implicit_euler : Integrator::tr_bdf2;
       const Vector3d gravity = placing.pose.linear() * Vector3d(0, 0, -kGravity);
-      Simulation simulation = with(scene(one, Pairing::meshes, 0.5, placing), with_integrator(integrator), gravity);
+      Simulation simulation =
+          with(obstacles_of(one, Pairing::meshes, 0.5, placing), with_integrator(integrator), gravity);
       expect_stays_in_time(one.name + " x " + std::to_string(placing.scale), simulation, placing.scale, gravity);
     }
   }
@@ -244,10 +252,13 @@ TEST(MeshLaid, StaysInTime) {
 
 // Of two rods end on end no equilibrium is found: it says so.
 TEST(MeshLaid, IsInEquilibrium) {
-  for (const Placing& placing : placings()) {
-    for (const Laid& one : laid()) {
+  for (std::size_t count = 0; count < placings().size(); ++count) {
+    const Placing placing = placings()[count];
+    for (std::size_t scene = 0; scene < laid().size(); ++scene) {
+      if (!is_looked_at(scene, (count + 1) % 4)) continue;
+      const Laid one = laid()[scene];
       const Vector3d gravity = placing.pose.linear() * Vector3d(0, 0, -kGravity);
-      Simulation simulation = with(scene(one, Pairing::meshes, 0.5, placing), {}, gravity);
+      Simulation simulation = with(obstacles_of(one, Pairing::meshes, 0.5, placing), {}, gravity);
       const Vector3d start_m = center_m(simulation);
       const std::string name = one.name + " x " + std::to_string(placing.scale);
       const SolveReport report = simulation.solve_equilibrium();
@@ -262,13 +273,14 @@ TEST(MeshLaid, OnShapesAndUnderThem) {
     for (const Laid& one : laid()) {
       if (one.name.find("turned") != std::string::npos && pairing == Pairing::above) continue;  // its twin is not
       const Vector3d gravity(0, 0, -kGravity);
-      Simulation rest = with(scene(one, pairing, 0.5), {}, gravity);
+      Simulation rest = with(obstacles_of(one, pairing, 0.5), {}, gravity);
       const std::string name = one.name + (pairing == Pairing::above ? " on shapes" : " of a shape");
       const Vector3d start_m = center_m(rest);
       const SolveReport report = rest.solve_equilibrium();
       EXPECT_TRUE(report.converged) << name << ": " << report.message;
       if (report.converged) expect_stays(name + " at rest", rest, start_m, 1.0, gravity, 1e-5, 1e-3);
-      Simulation simulation = with(scene(one, pairing, 0.5), with_integrator(Integrator::implicit_euler), gravity);
+      Simulation simulation =
+          with(obstacles_of(one, pairing, 0.5), with_integrator(Integrator::implicit_euler), gravity);
       expect_stays_in_time(name, simulation, 1.0, gravity);
     }
   }
@@ -276,9 +288,9 @@ TEST(MeshLaid, OnShapesAndUnderThem) {
 
 TEST(MeshLaid, WithXpbdStays) {
   for (const Laid& one : laid()) {
-    Simulation simulation = with(scene(one, Pairing::meshes, 0.5), xpbd(20, 0.005), {0, 0, -kGravity});
+    Simulation simulation = with(obstacles_of(one, Pairing::meshes, 0.5), xpbd(20, 0.005), {0, 0, -kGravity});
     const Vector3d start_m = center_m(simulation);
-    for (int i = 0; i < 40; ++i) simulation.step();
+    for (int i = 0; i < 20; ++i) simulation.step();
     EXPECT_LT((center_m(simulation) - start_m).norm(), 2e-5) << one.name;
     EXPECT_LT(turned_rad(simulation), 2e-3) << one.name;
   }
@@ -288,13 +300,13 @@ struct Stands {
   bool in_time, at_rest;
 };
 
-// On a slope, with as much friction as holds it.
-Stands stands(const ObstacleShape& below, const ObstacleShape& above, double angle_rad) {
+// On a slope, with as much friction as holds it; for so many steps.
+Stands stands(const ObstacleShape& below, const ObstacleShape& above, double angle_rad, int steps) {
   const Vector3d gravity = kGravity * Vector3d(std::sin(angle_rad), 0, -std::cos(angle_rad));
   std::vector<Obstacle> all{{"below", below, {}, 0.0}};
   all.push_back(free("it", above, all, 2.0));
   Simulation moving = with(all, with_integrator(Integrator::implicit_euler), gravity), rest = with(all, {}, gravity);
-  for (int i = 0; i < 200 && turned_rad(moving) < 0.3; ++i) EXPECT_TRUE(moving.step().converged);
+  for (int i = 0; i < steps && turned_rad(moving) < 0.3; ++i) EXPECT_TRUE(moving.step().converged);
   const bool found = rest.solve_equilibrium().converged;
   return {turned_rad(moving) < 0.01, found && turned_rad(rest) < 0.01};
 }
@@ -318,8 +330,8 @@ TEST(MeshLaid, ABlockTipsWhereItsWeightPassesItsEdge) {
                         {"box on mesh", shape_of(table.surface), stated},
                         {"mesh on its equal", shape_of(equal.surface), shape_of(thing.surface)}};
   for (const Case& one : cases) {
-    const Stands before = stands(one.below, one.above, 0.99 * limit_rad),
-                 after = stands(one.below, one.above, 1.01 * limit_rad);
+    const Stands before = stands(one.below, one.above, 0.99 * limit_rad, 60),
+                 after = stands(one.below, one.above, 1.01 * limit_rad, 200);
     EXPECT_TRUE(before.in_time && before.at_rest) << one.name << before.in_time << before.at_rest;
     EXPECT_FALSE(after.in_time || after.at_rest) << one.name << after.in_time << after.at_rest;
   }

@@ -97,6 +97,25 @@ FaceNodes beside(const Eigen::Isometry3d& pose, const FaceNodes& face_m) {
   return (pose.inverse().linear() * face_m).colwise() + pose.inverse().translation();
 }
 
+// A ball around all places of the skin on its way.
+struct AroundWay {
+  Eigen::Vector3d middle_m;
+  double radius_m;
+
+  AroundWay(const Eigen::Matrix3Xd& from_m, const Eigen::Matrix3Xd& to_m) {
+    const Eigen::Vector3d low_m = from_m.rowwise().minCoeff().cwiseMin(to_m.rowwise().minCoeff()),
+                          high_m = from_m.rowwise().maxCoeff().cwiseMax(to_m.rowwise().maxCoeff());
+    middle_m = 0.5 * (low_m + high_m);
+    radius_m = 0.5 * (high_m - low_m).norm();
+  }
+
+  bool is_far_from(const ObstacleShape& shape, const Eigen::Isometry3d& start, const Eigen::Isometry3d& end) const {
+    const double way_m = (end * center_m(shape) - start * center_m(shape)).norm();
+    const double reach_m = radius_m + way_m + kBow * (2.0 * radius_m + way_m);
+    return gap_to(shape, start, middle_m).gap_m > reach_m && gap_to(shape, end, middle_m).gap_m > reach_m;
+  }
+};
+
 bool touched(const ContactTerm& contact, std::size_t obstacle, const ContactState& state) {
   const Eigen::Index points = contact.points().count();
   return (state.pressures_pa.segment(static_cast<Eigen::Index>(obstacle) * points, points).array() > 0.0).any();
@@ -123,11 +142,14 @@ std::vector<SolveWarning> passed_obstacles(const Body& body, const ContactTerm& 
                                            const BodyPlace& to, PassedSizes sizes) {
   std::vector<SolveWarning> warnings;
   const ContactPoints& points = contact.points();
+  if (points.count() == 0 || body.obstacles().empty()) return warnings;
+  const AroundWay around(from.positions_m, to.positions_m);
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];
     if (std::holds_alternative<Plane>(obstacle.shape)) continue;
     const Eigen::Isometry3d start = contact.pose_of(static_cast<int>(i), from.contact),
                             end = contact.pose_of(static_cast<int>(i), to.contact);
+    if (around.is_far_from(obstacle.shape, start, end)) continue;
     const bool grazes =
         sizes == PassedSizes::any && !touched(contact, i, from.contact) && !touched(contact, i, to.contact);
     for (int face = 0; face < points.face_count(); ++face) {

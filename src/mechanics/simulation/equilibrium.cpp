@@ -85,6 +85,7 @@ class Walk {
   bool go_on_from(double share, RestFound found, double& stage);
   bool go_on_under_loads(double share);  // that come slowly
   std::vector<SolveWarning> passed_since(SimulationState& from, PassedSizes sizes) const;
+  void note_passed_since(SimulationState& from);
   bool passed_too_fast(double share, const SimulationState& from);
   void advance_to(double share, SimulationState&& from);
 
@@ -125,9 +126,12 @@ bool Walk::passed_too_fast(double share, const SimulationState& from) {
   return false;
 }
 
+void Walk::note_passed_since(SimulationState& from) {
+  for (const SolveWarning& warning : passed_since(from, PassedSizes::small)) add_warning(warning, noted_.passed);
+}
+
 void Walk::advance_to(double share, SimulationState&& from) {
   const double way_m = way_from_m(from.positions_m);
-  for (const SolveWarning& warning : passed_since(from, PassedSizes::small)) add_warning(warning, noted_.passed);
   ways_.last_but_one_m = std::exchange(ways_.last_m, share > done_ ? way_m / (share - done_) : 0.0);
   done_ = share;
   ++stages_;
@@ -187,7 +191,10 @@ RestFound Walk::try_stage(double share) {
     parts_.state = std::move(from);
     return RestFound::saddle;  // it went over one
   }
-  if (!passed_since(from, PassedSizes::any).empty() && passed_too_fast(share, from)) return RestFound::beyond;
+  if (!passed_since(from, PassedSizes::any).empty()) {
+    if (passed_too_fast(share, from)) return RestFound::beyond;
+    note_passed_since(from);
+  }
   advance_to(share, std::move(from));
   return found;
 }
@@ -219,6 +226,7 @@ bool Walk::fall_to(double share) {
     return false;
   }
   note_snap_from(stable, nudge, share);
+  note_passed_since(stable);
   advance_to(share, std::move(stable));
   return true;
 }
@@ -238,6 +246,7 @@ bool Walk::lose_stability(double share) {
     return false;
   }
   note_snap_from(stable, nudge, share);
+  note_passed_since(stable);
   advance_to(share, std::move(stable));
   return true;
 }

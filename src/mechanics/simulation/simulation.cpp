@@ -115,7 +115,8 @@ SolveReport Simulation::timed(const std::function<void(SolveReport&)>& solve) {
 SolveReport Simulation::step() {
   const ContactTerm& contact = parts_->workspace.newton.contact();
   const bool may_pass = has_small_obstacles(body(), contact);
-  const SimulationState before = may_pass ? parts_->state : SimulationState();
+  const Eigen::Matrix3Xd from_m = may_pass ? parts_->state.positions_m : Eigen::Matrix3Xd();
+  const ContactState from = may_pass ? parts_->state.contact : ContactState();
   return timed([&](SolveReport& report) {
     if (parts_->workspace.xpbd) {
       step_in_substeps(*parts_, report);
@@ -123,9 +124,8 @@ SolveReport Simulation::step() {
       step_in_time(*parts_, parts_->options.time_step_s, report);
     }
     if (!may_pass) return;
-    const std::vector<SolveWarning> passed =
-        passed_obstacles(body(), contact, {before.positions_m, before.contact},
-                         {parts_->state.positions_m, parts_->state.contact}, PassedSizes::small);
+    const std::vector<SolveWarning> passed = passed_obstacles(
+        body(), contact, {from_m, from}, {parts_->state.positions_m, parts_->state.contact}, PassedSizes::small);
     for (const SolveWarning& warning : passed) add_warning(warning, report.warnings);
   });
 }

@@ -112,12 +112,8 @@ double deepest_along_m(double length_m, double allowed_m, const DepthAt& depth_a
 
 // Of what one shape touches with, in another one.
 double deepest_m(const Features& features, const Isometry3d& pose, const PlacedShape& in, double allowed_m) {
-  const auto* mesh = std::get_if<MeshShape>(&in.shape);
-  const Isometry3d to_mesh = in.pose.inverse() * pose;
   const auto depth_m = [&](const Vector3d& at_m, double radius_m) -> double {
-    return radius_m - (mesh != nullptr ? mesh->solid->gap_of_ball(to_mesh * at_m, radius_m)
-                                       : gap_to(in.shape, in.pose, pose * at_m))
-                          .gap_m;
+    return radius_m - gap_of_ball(in.shape, in.pose, pose * at_m, radius_m).gap_m;
   };
   double most_m = 0.0;
   for (const RoundedPoint& point : features.points)
@@ -132,11 +128,9 @@ double deepest_m(const Features& features, const Isometry3d& pose, const PlacedS
                                               [&](double way_m) { return depth_m(from_m + way_m * along, radius_m); }));
   }
   for (const RoundedRim& rim : features.rims) {
-    const Vector3d across = rim.outward.unitOrthogonal(), square = rim.outward.cross(across);
+    const Vector3d across = rim.outward.unitOrthogonal();
     most_m = std::max(most_m, deepest_along_m(2.0 * M_PI * rim.radius_m, allowed_m, [&](double way_m) {
-                        const double angle_rad = way_m / rim.radius_m;
-                        const Vector3d out_m =
-                            rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * square);
+                        const Vector3d out_m = radius_at_m(rim, across, way_m / rim.radius_m);
                         return depth_m(rim.middle_m + out_m, rim.rounding_m);
                       }));
   }

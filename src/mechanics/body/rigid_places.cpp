@@ -92,7 +92,8 @@ Features features_on_shapes(const ObstacleShape& shape) {
   return std::visit([](const auto& one) { return features(one); }, shape);
 }
 
-// Of the middle of a ball.
+}  // namespace
+
 Gap gap_of_ball(const ObstacleShape& shape, const Isometry3d& pose, const Vector3d& point_m, double radius_m) {
   const auto* mesh = std::get_if<MeshShape>(&shape);
   if (mesh == nullptr) return gap_to(shape, pose, point_m);
@@ -100,10 +101,11 @@ Gap gap_of_ball(const ObstacleShape& shape, const Isometry3d& pose, const Vector
   return {own.gap_m, pose.linear() * own.normal, pose.linear() * own.hessian * pose.linear().transpose()};
 }
 
-// A radius of a rim, by its angle from one that goes `across`.
 Vector3d radius_at_m(const RoundedRim& rim, const Vector3d& across, double angle_rad) {
   return rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * rim.outward.cross(across));
 }
+
+namespace {
 
 void add_on_shape(const Features& features, bool of_other, std::vector<RigidPlace>& all) {
   for (const RoundedPoint& point : features.points) all.push_back({of_other, BallOnShape{point}});

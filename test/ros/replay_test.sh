@@ -22,7 +22,8 @@ roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$data/scenes/c
   record:=true record_images:=true bag_folder:="$bags" &
 session=$!
 set +m
-wait_for timeout 5 rostopic echo -n 1 /tracker/markers >/dev/null 2>&1
+wait_for has_markers
+wait_for_message /tracker/markers
 rosrun soft_robot_lab run_table_node "$data/bar_table.yaml"
 kill -INT "$session"
 wait "$session" || { echo "roslaunch ended with status $?"; exit 1; }

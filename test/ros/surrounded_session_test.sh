@@ -57,7 +57,8 @@ set -m
 session=$!
 set +m
 fail() { tail -30 "$folder/log"; echo "$*"; exit 1; }
-wait_for timeout 5 rostopic echo -n 1 /tracker/markers >/dev/null 2>&1 || fail "nothing is tracked"
+wait_for has_markers || fail "no session starts"
+wait_for_message /tracker/markers || fail "nothing is tracked"
 wait_for rosservice type /controller/execute_policy >/dev/null 2>&1 || fail "the controller offers nothing"
 rosservice call /controller/execute_policy '{policy: {names: [right], steps: [{time_s: 0.2, values: [0.97]}]}}' >"$folder/answer"
 grep -q "success: True" "$folder/answer" || fail "no policy is played: $(cat "$folder/answer")"

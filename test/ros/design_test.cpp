@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// design/check, and what it shows in rviz.
+// design/check, what it shows in rviz, and how programs hear a session.
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <visualization_msgs/Marker.h>
 
 #include "ros/base/topics.h"
+#include "ros/nodes/session_client.h"
 #include "session_ears.h"
 
 namespace soft_robot_lab {
@@ -74,6 +76,22 @@ TEST(DesignCheck, NamesWhatIsWrongInAFile) {
   EXPECT_EQ(check(node, "unknown_key.yaml", true).message,
             "robot: 'unknown_key.yaml' is no whole path; it must begin with /");
   EXPECT_EQ(check(node, std::string("\0x", 2), true).message, "robot: holds a byte of value 0, as no text does");
+}
+
+// A node that starts late hears nothing of /clock at first, then the time of a session that has run for long.
+TEST(SessionClient, WaitsWhileTheClockJumps) {
+  ros::NodeHandle node;
+  ros::Time::setNow(ros::Time(1.0));
+  const ros::Publisher said = node.advertise<std_msgs::String>("said_late", 1, true);
+  const auto saying = std::async(std::launch::async, [&said] {
+    ros::WallDuration(0.3).sleep();
+    ros::Time::setNow(ros::Time(1000.0));
+    ros::WallDuration(0.5).sleep();
+    std_msgs::String text;
+    text.data = "here";
+    said.publish(text);
+  });
+  EXPECT_EQ(first_on<std_msgs::String>(node, "said_late").data, "here");
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
-#include <ros/topic.h>
 #include <soft_robot_lab/ActuatorRanges.h>
 #include <soft_robot_lab/ActuatorState.h>
 #include <soft_robot_lab/ExecutePolicy.h>
@@ -65,16 +64,9 @@ class RestingGap {
   ros::Subscriber subscriber_;
 };
 
-template <typename Message>
-Message heard_on(ros::NodeHandle& node, const char* topic) {
-  const auto heard = ros::topic::waitForMessage<Message>(topic, node, ros::Duration(20.0));
-  if (!heard) throw std::runtime_error(std::string("nothing on ") + topic + ": is there a session?");
-  return *heard;
-}
-
 // In the scene's order, which is the table's.
 ActuatorRanges actuators_of_session(ros::NodeHandle& node, std::size_t count) {
-  const ActuatorRanges ranges = heard_on<ActuatorRanges>(node, topics::simulator_ranges);
+  const ActuatorRanges ranges = first_on<ActuatorRanges>(node, topics::simulator_ranges);
   if (ranges.names.size() != count)
     throw std::invalid_argument("the session's robot has " + std::to_string(ranges.names.size()) +
                                 " actuators, the table " + std::to_string(count));
@@ -134,7 +126,7 @@ class TableRun {
   }
 
   void return_to_rest() {
-    const auto cables = heard_on<ActuatorState>(node_, topics::simulator_actuators).cables;
+    const auto cables = first_on<ActuatorState>(node_, topics::simulator_actuators).cables;
     const std::vector<double> slack = slack_commands(ranges_, cables, table_);
     if (slack != ranges_.rests) go(slack);
     go(ranges_.rests);

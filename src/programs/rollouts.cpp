@@ -41,7 +41,9 @@ void declare(CommandLine& app, Arguments& arguments) {
   app.add_option("ROBOT", arguments.robot, "a scene's or robot's file").type_name("FILE").required();
   CommandLine source = app.add_group("Commands", "one of", 1, 1);
   source.add_option("--commands", arguments.commands, "a table (.csv), or arrays of NumPy (.npz)").type_name("FILE");
-  source.add_option("--random", arguments.random, "so many rollouts of random commands").type_name("N");
+  source.add_option("--random", arguments.random, "so many rollouts of random commands")
+      .type_name("N")
+      .range(1, static_cast<int>(limits::kRollouts));
   CommandLine files = app.add_group("Results", "one of, or both", 1, 2);
   files.add_option("--output", arguments.output, "what the rollouts did, as arrays of NumPy (.npz)").type_name("FILE");
   files.add_option("--result", arguments.result, "the same in a few numbers (.json)").type_name("FILE");

@@ -13,7 +13,7 @@ namespace soft_robot_lab {
 namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
-  throw std::invalid_argument(path + ": cannot be read: " + reason);
+  throw std::invalid_argument((path.empty() ? "''" : path) + ": cannot be read: " + reason);
 }
 
 // Opened without waiting for a pipe's other end, and then checked, so that nobody can put another file in its place.

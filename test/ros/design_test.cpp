@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// design/check, what it shows in rviz, and how programs hear a session.
+// design/check, what it shows in rviz, and how programs hear a session and read parameters.
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <stdexcept>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include <visualization_msgs/Marker.h>
 
 #include "ros/base/topics.h"
+#include "ros/nodes/read_parameter.h"
 #include "ros/nodes/session_client.h"
 #include "session_ears.h"
 
@@ -76,6 +78,24 @@ TEST(DesignCheck, NamesWhatIsWrongInAFile) {
   EXPECT_EQ(check(node, "unknown_key.yaml", true).message,
             "robot: 'unknown_key.yaml' is no whole path; it must begin with /");
   EXPECT_EQ(check(node, std::string("\0x", 2), true).message, "robot: holds a byte of value 0, as no text does");
+}
+
+TEST(RequiredText, NamesAParameterThatIsMissingOrEmpty) {
+  const ros::NodeHandle parameters("~");
+  const auto refusal = [&] {
+    try {
+      return required_text(parameters, "rig", "the path of a rig's file");
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(refusal(), "rig: missing; give the path of a rig's file");
+  parameters.setParam("rig", "");
+  EXPECT_EQ(refusal(), "rig: missing; give the path of a rig's file");
+  parameters.setParam("rig", 3);
+  EXPECT_EQ(refusal().rfind("rig: must be a text", 0), 0u) << refusal();
+  parameters.setParam("rig", "motors.yaml");
+  EXPECT_EQ(refusal(), "motors.yaml");
 }
 
 // A node that starts late hears nothing of /clock at first, then the time of a session that has run for long.

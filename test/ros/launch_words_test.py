@@ -53,6 +53,10 @@ assert "robot: there is no 'spinbot' (did you mean 'spinebot'?); known: bubblebo
 assert "cameras: there is no 'renderd' (did you mean 'rendered'?); known: none, rendered" in refusal('session.launch', 'cameras:=renderd')
 for switch in ('emulated', 'hardware', 'record', 'record_images', 'rviz', 'twin', 'wall_clock'):
     assert switch + ": there is no 'maybe'; known: true, false" in refusal('session.launch', switch + ':=maybe'), switch
+assert "session.launch: there is no 'emulted' (did you mean 'emulated'?); known: " in refusal('session.launch', 'emulted:=true')
+assert "view.launch: there is no 'rvz' (did you mean 'rviz'?)" in refusal(
+    'view.launch', 'rvz:=false', 'scene:=' + sys.argv[1] + '/test/data/scenes/cable_bar.yaml')
+assert "motor.launch: there is no 'rigg' (did you mean 'rig'?); known: " in refusal('motor.launch', 'rigg:=x.yaml')
 assert "robot: there is no 'griper' (did you mean 'gripper'?)" in refusal('motor.launch', 'robot:=griper')
 assert "robot: there is no 'xyz'; known" in refusal('session.launch', 'robot:=xyz')
 no_rig = refusal('session.launch', 'robot:=hanging_bar', 'emulated:=true')

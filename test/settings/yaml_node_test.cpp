@@ -249,6 +249,7 @@ TEST(YamlNode, ReadsRegularFilesOnly) {
   EXPECT_EQ(error_of([&] { YamlNode::load_file(pipe); }), pipe + ": cannot be read: it is no regular file");
   EXPECT_EQ(error_of([] { YamlNode::load_file("/dev/zero"); }), "/dev/zero: cannot be read: it is no regular file");
   EXPECT_EQ(error_of([] { YamlNode::load_file("/"); }), "/: cannot be read: it is a folder");
+  EXPECT_EQ(error_of([] { YamlNode::load_file(""); }), "'': cannot be read: No such file or directory");
   std::ofstream(large) << "a: 1\n";
   std::filesystem::resize_file(large, kLargestSettings_bytes + 1);
   EXPECT_EQ(error_of([&] { YamlNode::load_file(large); }),

@@ -3,8 +3,8 @@
 
 #include <exception>
 
+#include "ros/base/log_text.h"
 #include "ros/messages/conversions.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -39,7 +39,7 @@ std::vector<CameraPose> calibrate(const Calibrate::Request& request, Calibration
     answer.success = true;
   } catch (const std::exception& error) {
     poses.clear();
-    answer.message = reason_of(error);
+    answer.message = answer_text(error);
   }
   return poses;
 }

@@ -9,8 +9,8 @@
 #include "ros/messages/conversions.h"
 #include "ros/messages/message_limits.h"
 #include "ros/messages/same_fields.h"
+#include "ros/base/log_text.h"
 #include "ros/base/topics.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -111,7 +111,7 @@ void ControllerActions::reach(const ReachGoalConstPtr& goal) {
     const Running running(mutex_, reaches_);
     result = search_and_move(*goal);
   } catch (const std::exception& error) {
-    result.message = reason_of(error);
+    result.message = answer_text(error);
   }
   finish(reach_, result);
 }

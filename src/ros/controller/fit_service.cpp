@@ -11,7 +11,6 @@
 #include "ros/recording/recorded_session.h"
 #include "session/rest_periods.h"
 #include "ros/base/topics.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -163,7 +162,7 @@ void FitService::answer(const FitModel::Request& request, FitModel::Response& re
     if (!request.file.empty()) write_fitted_scene(result, scene, request.file);
   } catch (const std::exception& error) {
     response.success = false;
-    response.message = reason_of(error);
+    response.message = answer_text(error);
   }
   if (!response.success) ROS_WARN("%s refused: %s", topics::fit_model, log_text(response.message).c_str());
 }

@@ -26,7 +26,6 @@
 #include "ros/cameras/rendered_rig.h"
 #include "ros/base/topics.h"
 #include "perception/calibration/calibration.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -55,8 +54,7 @@ struct CameraOptions {
 
 CameraOptions read_camera_options(const ros::NodeHandle& node) {
   CameraOptions options;
-  if (!read_parameter(node, "cameras", options.cameras))
-    throw std::invalid_argument("cameras: missing; give the path of a rig of cameras");
+  options.cameras = required_text(node, "cameras", "the path of a rig of cameras");
   read_parameter(node, "seed", options.seed);
   read_parameter(node, "balls", options.balls);
   read_parameter(node, "show_balls", options.show_balls);
@@ -233,7 +231,7 @@ bool CameraNode::move(MoveCamera::Request& request, MoveCamera::Response& respon
     response.success = true;
     response.message = text.str();
   } catch (const std::invalid_argument& error) {
-    response.message = reason_of(error);
+    response.message = answer_text(error);
     ROS_WARN("%s refused: %s", topics::move_camera, log_text(error.what()).c_str());
   }
   return true;

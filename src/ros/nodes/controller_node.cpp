@@ -38,7 +38,6 @@
 #include "soft_robot_lab/control/forward_model.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "soft_robot_lab/robot/scene/scene_file.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -449,7 +448,7 @@ void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, Opt
     if (answer.success) remember(task, answer);
   } catch (const std::exception& error) {
     response.success = false;
-    response.message = reason_of(error);
+    response.message = answer_text(error);
   }
   if (!response.success) ROS_WARN("%s refused: %s", topics::optimise_policy, log_text(response.message).c_str());
 }
@@ -471,7 +470,7 @@ void ControllerNode::execute_policy(const ExecutePolicy::Request& request, Execu
     response.message = "cancelled";
   } catch (const std::exception& error) {
     response.success = false;
-    response.message = reason_of(error);
+    response.message = answer_text(error);
   }
   if (!response.success) ROS_WARN("%s refused: %s", topics::execute_policy, log_text(response.message).c_str());
 }

@@ -20,7 +20,6 @@
 #include "ros/base/log_text.h"
 #include "ros/display/surface_marker.h"
 #include "ros/base/topics.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -89,7 +88,7 @@ class DesignNode {
       response.success = true;
     } catch (const std::exception& error) {
       response = CheckDesign::Response();
-      response.message = log_text(reason_of(error));
+      response.message = answer_text(error);
     }
     return true;
   }

@@ -15,7 +15,6 @@
 #include "ros/base/log_text.h"
 #include "ros/messages/motor_messages.h"
 #include "ros/base/topics.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -26,12 +25,6 @@ chambers really have, and passes requests for faults on to it. Where the line to
 
 Parameters: ~rig (path), ~control (the emulator's socket), ~plant (path: the backlash that its motors really have;
 absent: none).)";
-
-std::string required(const ros::NodeHandle& node, const std::string& name) {
-  std::string value;
-  if (!read_parameter(node, name, value)) throw std::invalid_argument(name + ": missing");
-  return value;
-}
 
 // The emulator may still be starting.
 std::unique_ptr<RigControl> connect(const std::string& path) {
@@ -49,7 +42,9 @@ std::unique_ptr<RigControl> connect(const std::string& path) {
 class EmulatedRigNode {
  public:
   explicit EmulatedRigNode(const ros::NodeHandle& node)
-      : rig_(load_rig(required(node, "rig"))), path_(required(node, "control")), control_(connect(path_)) {
+      : rig_(load_rig(required_text(node, "rig", "the path of a rig's file"))),
+        path_(required_text(node, "control", "the path of the emulator's socket")),
+        control_(connect(path_)) {
     if (const auto path = text_parameter(node, "plant"); !path.empty()) plant_ = load_plant(path);
     set_backlash();
     shafts_ = node_.advertise<ShaftState>(topics::rig_shafts, 10);
@@ -94,7 +89,7 @@ class EmulatedRigNode {
       response.message = control_->ask(request.command);
       response.success = true;
     } catch (const std::exception& error) {  // where the line broke, the next publish() connects again
-      response.message = reason_of(error);
+      response.message = answer_text(error);
     }
     return true;
   }

@@ -22,7 +22,6 @@
 #include "ros/messages/message_limits.h"
 #include "ros/messages/motor_messages.h"
 #include "ros/base/topics.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -37,9 +36,7 @@ using SteadyClock = std::chrono::steady_clock;
 double now_s() { return std::chrono::duration<double>(SteadyClock::now().time_since_epoch()).count(); }
 
 RigSettings read_rig(const ros::NodeHandle& node) {
-  std::string path;
-  if (!read_parameter(node, "rig", path)) throw std::invalid_argument("rig: missing; give the path of a rig's file");
-  RigSettings rig = load_rig(path);
+  RigSettings rig = load_rig(required_text(node, "rig", "the path of a rig's file"));
   const std::string device = text_parameter(node, "device");
   if (!device.empty()) rig.device = device;
   return rig;
@@ -192,7 +189,7 @@ class MotorNode : public DriveNode<MotorDriver> {
     try {
       driver_.zero(request.names);
     } catch (const std::invalid_argument& error) {
-      response.message = reason_of(error);
+      response.message = answer_text(error);
       return true;
     }
     finish(longest_operation_s);

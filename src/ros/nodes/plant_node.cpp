@@ -44,9 +44,7 @@ SceneOptions scene_options() {
 }
 
 PlantSettings read_plant(const ros::NodeHandle& parameters) {
-  std::string path;
-  if (!read_parameter(parameters, "plant", path)) throw std::invalid_argument("plant: missing; give its file's path");
-  return load_plant(path);
+  return load_plant(required_text(parameters, "plant", "its file's path"));
 }
 
 class PlantNode {

@@ -62,4 +62,11 @@ inline std::string text_parameter(const ros::NodeHandle& node, const std::string
   return text;
 }
 
+// Throws std::invalid_argument where there is none, or an empty one; `meaning` is what to give.
+inline std::string required_text(const ros::NodeHandle& node, const std::string& name, const std::string& meaning) {
+  std::string text = text_parameter(node, name);
+  if (text.empty()) throw std::invalid_argument(name + ": missing; give " + meaning);
+  return text;
+}
+
 }  // namespace soft_robot_lab

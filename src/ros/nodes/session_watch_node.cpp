@@ -13,8 +13,8 @@
 #include "ros/recording/recorder_process.h"
 #include "ros/recording/session_watch.h"
 #include "ros/base/node_diagnosis.h"
+#include "ros/base/log_text.h"
 #include "ros/base/topics.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -106,7 +106,7 @@ class SessionWatchNode {
       response.message = request.data ? start_recording() : stop_recording();
       response.success = true;
     } catch (const std::exception& error) {
-      response.message = reason_of(error);
+      response.message = answer_text(error);
     }
     publish_recording();
     return true;

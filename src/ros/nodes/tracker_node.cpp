@@ -54,10 +54,8 @@ NodeOptions read_tracker_options(const ros::NodeHandle& node) {
   read_parameter(node, "cameras", input.tracking.cameras);
   read_parameter(node, "sync_tolerance_s", input.tracking.sync_tolerance_s);
   read_parameter(node, "sync_timeout_s", input.tracking.sync_timeout_s);
-  if (!read_parameter(node, "tracker", input.tracker))
-    throw std::invalid_argument("tracker: missing; give the path of its settings");
-  if (!read_parameter(node, "poses", input.poses))
-    throw std::invalid_argument("poses: missing; give the path of the cameras' poses");
+  input.tracker = required_text(node, "tracker", "the path of its settings");
+  input.poses = required_text(node, "poses", "the path of the cameras' poses");
   read_parameter(node, "default_poses", input.default_poses);
   read_parameter(node, "scene", input.scene);
   read_parameter(node, "use_simulated", input.use_simulated);

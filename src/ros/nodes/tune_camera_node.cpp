@@ -53,7 +53,7 @@ struct Options {
 
 Options read_tune_camera_options(const ros::NodeHandle& node) {
   Options options;
-  if (!read_parameter(node, "camera", options.camera)) throw std::invalid_argument("camera: missing; give its name");
+  options.camera = required_text(node, "camera", "its name");
   read_parameter(node, "output", options.output);
   read_parameter(node, "timeout_s", options.timeout_s);
   read_parameter(node, "settle_frames", options.settle_frames);

@@ -86,15 +86,13 @@ class ColourTuner {
 };
 
 ColourTuner::ColourTuner(const ros::NodeHandle& options) {
-  std::string camera, colour;
   int place = 0;
-  if (!read_parameter(options, "camera", camera)) throw std::invalid_argument("camera: missing; give its name");
-  if (!read_parameter(options, "tracker", tracker_))
-    throw std::invalid_argument("tracker: missing; give the path of the tracker's settings");
+  const std::string camera = required_text(options, "camera", "its name");
+  tracker_ = required_text(options, "tracker", "the path of the tracker's settings");
   output_ = text_parameter(options, "output", tracker_);
   settings_ = load_tracker(tracker_);
   std::vector<MarkerColour>& colours = settings_.detector.colours;
-  colour = text_parameter(options, "colour", colours.empty() ? "marker" : colours.front().name);
+  const std::string colour = text_parameter(options, "colour", colours.empty() ? "marker" : colours.front().name);
   read_parameter(options, "range", place);
   colour_ = static_cast<std::size_t>(
       std::find_if(colours.begin(), colours.end(), [&](const MarkerColour& one) { return one.name == colour; }) -

@@ -6,7 +6,6 @@
 #include "ros/base/log_text.h"
 #include "ros/base/topics.h"
 #include "ros/messages/message_limits.h"
-#include "settings/words.h"
 
 namespace soft_robot_lab {
 
@@ -52,7 +51,7 @@ ros::ServiceServer SimulatorServices::change(const std::string& name, Change<Ser
           response.success = true;
         } catch (const std::exception& error) {
           response.success = false;
-          response.message = reason_of(error);
+          response.message = answer_text(error);
           ROS_WARN("%s refused: %s", name.c_str(), log_text(error.what()).c_str());
         }
         return true;

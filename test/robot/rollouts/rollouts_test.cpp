@@ -268,8 +268,10 @@ TEST_F(RolloutsOfABar, ProgramNamesWrongArguments) {
   const std::string robot = folder_->path("robot.yaml"), to = " --output " + folder_->path("x.npz");
   const struct {
     std::string arguments, words;
-  } cases[] = {
-      {"", "--commands"}, {" --commands none.txt", ".csv or .npz"}, {" --random 1 --range left 0.9 7", "left"}};
+  } cases[] = {{"", "--commands"},
+               {" --commands none.txt", ".csv or .npz"},
+               {" --random 1 --range left 0.9 7", "left"},
+               {" --random -1", "--random: Value -1 not in range 1 to 1000000"}};
   for (const auto& one : cases) {
     const Outcome outcome = run(robot + to + one.arguments);
     EXPECT_EQ(outcome.exit_status, 2);

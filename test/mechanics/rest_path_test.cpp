@@ -89,6 +89,27 @@ TEST(RestPath, ABallFromAfarRubsABarAsideAsOneFromNearby) {
   EXPECT_LT((tips_m[1] - tips_m[0]).norm(), 1e-4);
 }
 
+// A bar across another one, which its hand carries down by 31 mm: it bends over the other. The other is 10 mm thick.
+// Its fall to the rest state led through that, in one stage, with its tip 11 mm below.
+TEST(RestPath, ABarThatIsCarriedDownOnAnotherDoesNotGoThroughIt) {
+  for (const double down_m : {0.02, 0.031}) {
+    TetMesh mesh = box_mesh({0, -0.005, -0.005}, {0.08, 0.005, 0.005}, {8, 1, 1});
+    add_body("upper", box_mesh({0.055, -0.032, 0.016}, {0.065, 0.048, 0.026}, {1, 8, 1}), mesh);
+    const Material soft{80e3, 0.45, 1070.0};
+    Body body(std::move(mesh), {soft, soft});
+    body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+    body.fix_nodes({0.079999, -1, -1}, {1, 1, 1}, {true, true, true});
+    body.fix_nodes({-1, 0.047999, 0.01}, {1, 1, 1}, {true, true, true}, {{}, {1.0, {-0.001, 0.008, -down_m}, kZero}},
+                   "hand");
+    body.let_skin_touch({{0, 1, 0.0}});
+    Simulation simulation = with_marker(std::move(body), {0.06, -0.032, 0.021});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    EXPECT_GT(simulation.marker_position(0).z(), 0.015);
+    EXPECT_FALSE(simulation.contacts().empty());
+  }
+}
+
 TEST(RestPath, AnEndThatIsTurnedByAWholeTurnTwistsTheBar) {
   Body body(box_mesh({-0.005, -0.005, 0}, {0.005, 0.005, 0.06}, {1, 1, 8}), kSilicone);
   body.fix_nodes({-1, -1, -1}, {1, 1, 1e-6}, {true, true, true});

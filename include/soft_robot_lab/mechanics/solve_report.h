@@ -21,7 +21,8 @@ namespace soft_robot_lab {
 //   soft_rest            by how much a node may be off a rest state at which little holds the body
 //   negative_volume      of a chamber                      coarse_contact        depth between contact points
 //   cable_in_silicone    depth below the skin of a cable that is in the air at rest
-//   skin_in_silicone     depth, where the scene lists no contact; rigid_overlap: of obstacles, `actuator` a free one
+//   skin_in_silicone     depth, where the scene lists no contact, or in spite of it
+//   rigid_overlap        depth of obstacles in one another, `actuator` a free one
 struct SolveWarning {
   std::string kind;
   double size = 0.0;

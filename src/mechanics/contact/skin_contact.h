@@ -76,6 +76,9 @@ class SkinContact {
   // more, or come out on the other side, only a part of it.
   double first_length(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& motion_m) const;
 
+  // Whether skin goes through skin, or far into it, where all nodes go straight from one place to another.
+  bool passes(const Eigen::Matrix3Xd& from_m, const Eigen::Matrix3Xd& to_m) const;
+
   // Lets anchors follow what slipped, and what does not touch.
   void commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const;
 

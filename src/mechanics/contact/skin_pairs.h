@@ -94,6 +94,7 @@ class SkinPairs {
 
   // How deep behind it skin still counts as inside: half its size, or all of the wall behind it.
   double deepest_m(int face) const { return rest_.deepest_m(face); }
+  double least_deepest_m() const { return rest_.deepest_m().minCoeff(); }
   // Of the face's corners, at the positions of prepare().
   const Eigen::Vector3d& normal(int face) const { return present_[face].normal; }
   double smallest_size_m() const { return rest_.sizes_m().minCoeff(); }

@@ -85,6 +85,7 @@ class Walk {
   bool go_on_from(double share, RestFound found, double& stage);
   bool go_on_under_loads(double share);  // that come slowly
   std::vector<SolveWarning> passed_since(SimulationState& from, PassedSizes sizes) const;
+  bool passes_skin_since(const SimulationState& from) const;
   void note_passed_since(SimulationState& from);
   bool passed_too_fast(double share, const SimulationState& from);
   void advance_to(double share, SimulationState&& from);
@@ -117,7 +118,13 @@ std::vector<SolveWarning> Walk::passed_since(SimulationState& from, PassedSizes 
                           {parts_.state.positions_m, parts_.state.contact}, sizes);
 }
 
-// Whether a stage that went through an obstacle may be shorter; the state is then that before it.
+// The same of skin that went through skin.
+bool Walk::passes_skin_since(const SimulationState& from) const {
+  return parts_.body.touches_itself() &&
+         parts_.workspace.newton.contact().skin().passes(from.positions_m, parts_.state.positions_m);
+}
+
+// Whether a stage that went through an obstacle, or skin, may be shorter; the state is then that before it.
 bool Walk::passed_too_fast(double share, const SimulationState& from) {
   if (options_.only_through_stable || !noted_.snaps.empty()) return false;
   SimulationState here = std::exchange(parts_.state, from);
@@ -191,6 +198,11 @@ RestFound Walk::try_stage(double share) {
     parts_.state = std::move(from);
     return RestFound::saddle;  // it went over one
   }
+  if (passes_skin_since(from)) {
+    if (passed_too_fast(share, from)) return RestFound::beyond;
+    parts_.state = std::move(from);
+    return RestFound::saddle;  // it went over one there
+  }
   if (!passed_since(from, PassedSizes::any).empty()) {
     if (passed_too_fast(share, from)) return RestFound::beyond;
     note_passed_since(from);
@@ -219,8 +231,13 @@ bool Walk::fall_to(double share) {
   const Ballooning ballooning(parts_);
   const Nudge nudge = softest_way();
   path_.go_to(share);
-  const bool rubs = held_by_friction_alone(parts_);
-  if ((rubs || relax_from_below(parts_, report_) != RestFound::stable) && !descend(parts_, report_, ballooning)) {
+  bool fell = !held_by_friction_alone(parts_) && relax_from_below(parts_, report_) == RestFound::stable;
+  if (fell && passes_skin_since(stable)) {
+    parts_.state = stable;
+    path_.go_to(share);
+    fell = false;
+  }
+  if (!fell && !descend(parts_, report_, ballooning)) {
     balloons_ = !ballooning.found(parts_).empty();
     parts_.state = stable;
     return false;
@@ -442,6 +459,18 @@ void note_free_motions(SimulationParts& parts, SolveReport& report) {
         free_motion(contact, i, touching), report);
 }
 
+// Skin may come so deep into skin that contact knows nothing of it any more.
+void refuse_skin_in_skin(const SimulationParts& parts, SolveReport& report) {
+  if (!parts.body.touches_itself()) return;
+  TetMesh present = parts.body.mesh();
+  present.nodes_m = parts.state.positions_m;
+  const auto inside = parts.model->tables().skin_overlap.deepest_in_spite_of_contact(parts.body, present);
+  if (!inside) return;
+  report.converged = false;
+  report.message = inside->text + "; let steps in time bring it there";
+  add_warning(*inside, report.warnings);
+}
+
 void refuse_impossible_actuators(const SimulationParts& parts, SolveReport& report) {
   for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
     const std::vector<SolveWarning> warnings = actuator_warnings(parts.reading_of(i), parts.body);
@@ -467,6 +496,7 @@ void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options,
   if (report.converged)
     report_overlap(overlap_at(parts.body, parts.workspace.newton.contact(), parts.state.contact), parts.body,
                    "; let steps in time bring it there", report);
+  if (report.converged) refuse_skin_in_skin(parts, report);
   if (!report.converged) parts.state = start;
 }
 

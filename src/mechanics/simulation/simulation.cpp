@@ -266,6 +266,7 @@ std::vector<SolveWarning> Simulation::unmodelled_contact() const {
   present.nodes_m = parts_->state.positions_m;
   std::vector<SolveWarning> warnings = tables.air_spans.in_silicone(body().mesh(), present, paths_m);
   if (const auto skin = tables.skin_overlap.deepest(body(), present)) warnings.push_back(*skin);
+  if (const auto skin = tables.skin_overlap.deepest_in_spite_of_contact(body(), present)) warnings.push_back(*skin);
   return warnings;
 }
 

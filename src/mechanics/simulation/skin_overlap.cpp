@@ -15,7 +15,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kLeastDepth = 0.05;  // of an element's edge: chords of curved skin overlap by less
+// Of an element's edge: chords of curved skin overlap by less; and contact lets skin sink in by far less.
+constexpr double kLeastDepth = 0.05, kLeastInSpite = 0.25;
 
 std::vector<std::vector<int>> columns_of_nodes(const Eigen::MatrixXi& nodes, int node_count) {
   std::vector<std::vector<int>> columns(static_cast<std::size_t>(node_count));
@@ -68,8 +69,8 @@ bool all_touch(const TouchingPairs& touching, int bodies) {
 SkinOverlap::SkinOverlap(const Body& body)
     : touching_(body),
       tets_of_node_(columns_of_nodes(body.mesh().tets, body.mesh().node_count())),
-      faces_of_node_(columns_of_nodes(body.mesh().faces, body.mesh().node_count())) {
-  if (all_touch(touching_, static_cast<int>(body.mesh().bodies.size()))) return;
+      faces_of_node_(columns_of_nodes(body.mesh().faces, body.mesh().node_count())),
+      all_touch_(all_touch(touching_, static_cast<int>(body.mesh().bodies.size()))) {
   for (int node = 0; node < body.mesh().node_count(); ++node)
     if (!faces_of_node_[static_cast<std::size_t>(node)].empty()) skin_nodes_.push_back(node);
 }
@@ -86,7 +87,8 @@ bool SkinOverlap::neighbours(const TetMesh& mesh, const Inside& inside) const {
 }
 
 // Along the longest axis the nodes of an element's box stand side by side.
-std::vector<SkinOverlap::Inside> SkinOverlap::nodes_inside(const Body& body, const TetMesh& present) const {
+std::vector<SkinOverlap::Inside> SkinOverlap::nodes_inside(Contact contact, const Body& body,
+                                                           const TetMesh& present) const {
   const int axis = longest_axis(present.nodes_m);
   const auto along = [&](int node) { return present.nodes_m(axis, node); };
   std::vector<int> nodes = skin_nodes_;
@@ -101,8 +103,8 @@ std::vector<SkinOverlap::Inside> SkinOverlap::nodes_inside(const Body& body, con
       const Eigen::Vector3d point_m = present.nodes_m.col(*at);
       if ((point_m.array() < least).any() || (point_m.array() > most).any()) continue;
       const Inside inside{*at, tet};
-      if (is_inside(corners, point_m) && !may_touch(body, inside) && !neighbours(present, inside))
-        found.push_back(inside);
+      const bool asked = may_touch(body, inside) == (contact == Contact::modelled);
+      if (asked && is_inside(corners, point_m) && !neighbours(present, inside)) found.push_back(inside);
     }
   }
   return found;
@@ -124,9 +126,17 @@ double SkinOverlap::depth_m(const TetMesh& present, const Eigen::Matrix3Xd& face
 }
 
 std::optional<SolveWarning> SkinOverlap::deepest(const Body& body, const TetMesh& present) const {
-  if (skin_nodes_.empty()) return std::nullopt;
+  return all_touch_ ? std::nullopt : deepest_with(Contact::none, body, present);
+}
+
+std::optional<SolveWarning> SkinOverlap::deepest_in_spite_of_contact(const Body& body, const TetMesh& present) const {
+  return body.touches_itself() ? deepest_with(Contact::modelled, body, present) : std::nullopt;
+}
+
+std::optional<SolveWarning> SkinOverlap::deepest_with(Contact contact, const Body& body, const TetMesh& present) const {
   const TetMesh& mesh = body.mesh();
-  const std::vector<Inside> found = nodes_inside(body, present);
+  const double least = contact == Contact::modelled ? kLeastInSpite : kLeastDepth;
+  const std::vector<Inside> found = nodes_inside(contact, body, present);
   if (found.empty()) return std::nullopt;
   const Eigen::Matrix3Xd face_normals = normals_of_faces(present);
   SolveWarning warning;
@@ -134,13 +144,15 @@ std::optional<SolveWarning> SkinOverlap::deepest(const Body& body, const TetMesh
   warning.unit = "m";
   for (const Inside& inside : found) {
     const double depth = depth_m(present, face_normals, inside.node);
-    if (depth <= kLeastDepth * edge_m(mesh, inside.tet) || depth <= warning.size) continue;
+    if (depth <= least * edge_m(mesh, inside.tet) || depth <= warning.size) continue;
     warning.size = depth;
     warning.rest_position_m = mesh.nodes_m.col(inside.node);
     std::ostringstream text;
     text << "skin at rest position " << point_text(*warning.rest_position_m) << " is " << depth
-         << " m inside silicone that it may pass through: "
-         << way_out(mesh, body.body_of_node(inside.node), mesh.body_of(inside.tet));
+         << " m inside silicone that it "
+         << (contact == Contact::modelled
+                 ? "touches: no such state is a solution"
+                 : "may pass through: " + way_out(mesh, body.body_of_node(inside.node), mesh.body_of(inside.tet)));
     warning.text = text.str();
   }
   if (warning.size == 0.0) return std::nullopt;

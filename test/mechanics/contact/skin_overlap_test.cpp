@@ -71,6 +71,25 @@ TEST(SkinOverlap, IsNoneWhereContactKeepsItOut) {
   EXPECT_GT(gap_m, -0.0005);
 }
 
+// Deeper than contact ever lets it in: contact knows nothing of it any more.
+TEST(SkinOverlap, IsNamedInSpiteOfContact) {
+  Body body = fork(true);
+  body.fix_nodes(-kEnd, {0.0201, 1, 1}, {true, true, true});
+  body.let_touch_itself();
+  Simulation simulation(std::move(body), {}, {}, {});
+  EXPECT_TRUE(simulation.unmodelled_contact().empty());
+  SimulationState state = simulation.state();
+  for (Eigen::Index node = 0; node < state.positions_m.cols(); ++node)
+    if (state.positions_m(0, node) > 0.02 && state.positions_m(2, node) > 0.0099)
+      state.positions_m(2, node) -= 0.0075 * (state.positions_m(0, node) - 0.02) / 0.08;
+  simulation.set_state(state);
+  const std::vector<SolveWarning> warnings = simulation.unmodelled_contact();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].kind, "skin_in_silicone");
+  EXPECT_NEAR(warnings[0].size, 0.0025, 0.0005);
+  EXPECT_NE(warnings[0].text.find("silicone that it touches"), std::string::npos) << warnings[0].text;
+}
+
 // A block that gravity lowers into another one.
 TEST(SkinOverlap, OfTwoBodiesNamesThem) {
   TetMesh mesh = carved({0, 0, 0}, {0.02, 0.02, 0.02}, {2, 2, 2}, [](const Eigen::Vector3d&) { return true; });

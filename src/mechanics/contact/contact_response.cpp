@@ -49,7 +49,7 @@ void add_turned_tie(const ContactTerm& contact, const ContactTouch& touch, const
 // Beyond an edge the push has no potential, and the matrix has it as above the face.
 void add_push_at_edge(const ContactTerm& contact, const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
                       Eigen::Matrix3Xd& residual_n) {
-  const Eigen::Vector3d relative_m = contact.skin().relative_m(touch, motion_m);
+  const Eigen::Vector3d relative_m = soft_robot_lab::relative_m(contact.skin(), touch, motion_m);
   const SkinPlaceMotion moved = place_motion(contact.skin(), touch, relative_m, motion_m);
   const double per_m = contact.weight_m2(touch.pair) / contact.law(touch).compliance_m_pa;
   contact.add_at(touch, per_m * moved.gap_m * touch.normal - push_n(contact, touch) * moved.turn, residual_n);

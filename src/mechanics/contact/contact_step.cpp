@@ -29,7 +29,7 @@ Eigen::Vector3d away_m(const ContactTerm& contact, const ContactTouch& touch, co
                        const ContactSums& now) {
   Eigen::Vector3d away_m = touch.away_m;
   if (touch.on_skin())
-    away_m += contact.skin().relative_m(touch, now.positions_m) - contact.skin().relative_m(touch, start.positions_m);
+    away_m += relative_m(contact.skin(), touch, now.positions_m) - relative_m(contact.skin(), touch, start.positions_m);
   else if (touch.free >= 0)
     away_m = now.points_m.col(contact.point_of(touch.pair)) -
              contact.free().pose(touch.free, now.free) *
@@ -99,7 +99,7 @@ std::vector<ContactTouch> met_by(const ContactTerm& contact, const Eigen::Matrix
     const auto same = [&](const ContactTouch& other) { return other.pair == touch.pair; };
     if (!touch.on_skin() || std::any_of(known.begin(), known.end(), same)) continue;
     met.push_back(touch);
-    met.back().gap_m -= touch.normal.dot(contact.skin().relative_m(touch, motion_m));
+    met.back().gap_m -= touch.normal.dot(relative_m(contact.skin(), touch, motion_m));
     met.back().pressure_pa = 0.0;
   }
   return met;

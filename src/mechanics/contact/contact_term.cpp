@@ -158,7 +158,7 @@ void ContactTerm::add_at(const ContactTouch& touch, const Eigen::Vector3d& force
 
 Eigen::Vector3d ContactTerm::relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
                                                const FreeColumns& free_motion) const {
-  if (touch.on_skin()) return skin_.relative_m(touch, motion_m);
+  if (touch.on_skin()) return relative_m(skin_, touch, motion_m);
   Eigen::Vector3d relative_m = points_of(touch.pair).at(point_of(touch.pair), motion_m);
   if (touch.free >= 0)
     relative_m -=

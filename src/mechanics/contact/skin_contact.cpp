@@ -173,10 +173,10 @@ Eigen::MatrixXd SkinContact::hessian(const ContactTouch& touch, bool convex, boo
   return sum;
 }
 
-Eigen::Vector3d SkinContact::relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const {
-  Eigen::Vector3d relative_m = points_.at(point_of(touch), columns);
-  for (int a = 0; a < points_.nodes_per_face(); ++a)
-    relative_m -= touch.met.shape[a] * columns.col(pairs_.node(touch.met.face, a));
+Eigen::Vector3d relative_m(const SkinContact& skin, const ContactTouch& touch, const Eigen::Matrix3Xd& columns) {
+  Eigen::Vector3d relative_m = skin.points().at(skin.point_of(touch), columns);
+  for (int a = 0; a < skin.points().nodes_per_face(); ++a)
+    relative_m -= touch.met.shape[a] * columns.col(skin.pairs().node(touch.met.face, a));
   return relative_m;
 }
 

@@ -66,8 +66,6 @@ class SkinContact {
   // Of one that is closed, over the nodes of both faces. Where pressure and gap do not fit at all, as after a step that
   // led too deep, what turns with the skin is left out: such pressures would make the matrix indefinite.
   Eigen::MatrixXd hessian(const ContactTouch& touch, bool convex, bool soft) const;
-  // Of the point and the place that it meets, by what the nodes' columns say of both.
-  Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
   void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
   // Which closed ones meet an edge that they are beyond; what follows a motion (skin_motion.h) asks for that.
   void find_edges(const Eigen::Matrix3Xd& positions_m, std::vector<ContactTouch>& touches) const;
@@ -123,6 +121,8 @@ class SkinContact {
   int first_pair_ = 0, first_anchor_ = 0;
 };
 
+// Of the point and the place that it meets, by what the nodes' columns say of both.
+Eigen::Vector3d relative_m(const SkinContact& skin, const ContactTouch& touch, const Eigen::Matrix3Xd& columns);
 bool far_from_law(const SkinContact& skin, const ContactTouch& touch);
 // Of its Hessian, per push, what comes of the normal that turns: by how columns turn it and move the place, in
 // coordinates.

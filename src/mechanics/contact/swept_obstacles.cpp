@@ -59,4 +59,10 @@ double part_before_obstacles(const Body& body, const ContactTerm& contact, const
   return part;
 }
 
+double part_before_contact(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
+                           const Eigen::Matrix3Xd& motion_m, const ContactState& state) {
+  return std::min(contact.skin().first_length(positions_m, motion_m),
+                  part_before_obstacles(body, contact, positions_m, motion_m, state));
+}
+
 }  // namespace soft_robot_lab

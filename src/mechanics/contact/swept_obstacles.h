@@ -25,4 +25,8 @@ double part_until(const ObstacleShape& shape, const Eigen::Isometry3d& pose, con
 double part_before_obstacles(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
                              const Eigen::Matrix3Xd& motion_m, const ContactState& state);
 
+// The same, and so short that skin goes no deeper into skin than SkinContact::first_length allows.
+double part_before_contact(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
+                           const Eigen::Matrix3Xd& motion_m, const ContactState& state);
+
 }  // namespace soft_robot_lab

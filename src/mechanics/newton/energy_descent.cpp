@@ -210,8 +210,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     if (!(slope < -no_slope)) break;
 
     const Eigen::Map<const Eigen::Matrix3Xd> way_m(motion.data(), 3, state.positions_m.cols());
-    double length = std::min(part_before_obstacles(body_, energies_.contact, state.positions_m, way_m, state.contact),
-                             energies_.contact.skin().first_length(state.positions_m, way_m));
+    double length = part_before_contact(body_, energies_.contact, state.positions_m, way_m, state.contact);
     bool fell = false;
     for (int halving = 0; halving <= constants::kDescentHalvings && !fell; ++halving) {
       if (halving > 0) length *= 0.5;

@@ -125,9 +125,7 @@ bool NewtonSolver::try_frozen_factor(const NewtonTask& task, NewtonState& state,
     if (!find_step(from, at_from, step, mixing.size() == 0 ? kRoundsAhead : 0)) return false;
     NewtonState trial = mix(from, at_from, step, mixing);
     const Eigen::Matrix3Xd way_m = trial.positions_m - from.positions_m;
-    if (energies_.contact.skin().first_length(from.positions_m, way_m) < 1.0 ||
-        part_before_obstacles(body_, energies_.contact, from.positions_m, way_m, from.contact) < 1.0)
-      return false;
+    if (part_before_contact(body_, energies_.contact, from.positions_m, way_m, from.contact) < 1.0) return false;
     Evaluation there = evaluate(task, trial);
     const auto falls = [&] { return there.finite && there.relative_residual <= enough; };
     for (int half = 0; half < kHalves && !step.skin.empty() && !falls(); ++half) {

@@ -389,7 +389,7 @@ double NewtonSolver::come_closer(const NewtonTask& task, double most_m, NewtonSt
       return left_m;
     }
     if (left_m > 0.5 * before_m ||
-        part_before_obstacles(body_, energies_.contact, at.positions_m, step.motion_m, at.contact) < 1.0)
+        part_before_contact(body_, energies_.contact, at.positions_m, step.motion_m, at.contact) < 1.0)
       break;
     before_m = left_m;
     at = full_step(at, step);

@@ -123,9 +123,8 @@ RestFound judge(SimulationParts& parts, const NewtonTask& task, const NewtonRepo
 
 // The part of a motion that leads neither into obstacles nor into other skin.
 double free_part(const SimulationParts& parts, const Eigen::Matrix3Xd& motion_m) {
-  const ContactTerm& contact = parts.workspace.newton.contact();
-  return std::min(contact.skin().first_length(parts.state.positions_m, motion_m),
-                  part_before_obstacles(parts.body, contact, parts.state.positions_m, motion_m, parts.state.contact));
+  return part_before_contact(parts.body, parts.workspace.newton.contact(), parts.state.positions_m, motion_m,
+                             parts.state.contact);
 }
 
 // Without load, contact and commands.

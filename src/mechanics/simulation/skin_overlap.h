@@ -38,8 +38,8 @@ class SkinOverlap {
 
   TouchingPairs touching_;
   std::vector<int> skin_nodes_;
-  bool all_touch_;
   std::vector<std::vector<int>> tets_of_node_, faces_of_node_;
+  bool all_touch_;
 };
 
 }  // namespace soft_robot_lab

@@ -10,11 +10,13 @@ namespace {
 
 // Of a step along which skin may be carried into skin, in faces' sizes.
 constexpr double kShortWay = 0.2, kPartOfWay = 1.0, kMostParts = 8.0;
-constexpr double kBetweenLooks = 0.5, kMostLooks = 1000.0;  // of the least depth that counts
-constexpr double kTooDeep = 0.4;                            // of the depth that counts
-constexpr double kDeeper = 1.1;                             // times where the step starts
-constexpr double kGuarded = 5e-4;                           // of a face's size: guards hold only what sinks in deeper
-constexpr int kAnchorings = 3;                              // looks for where a point that slipped is tied to
+// Of the least depth that counts, and half of that as two bodies may go against each other: no part of a way is left
+// out on which skin is too deep.
+constexpr double kBetweenLooks = 0.3, kMostLooks = 1000.0;
+constexpr double kTooDeep = 0.4;      // of the depth that counts
+constexpr double kDeeper = 1.1;       // times where the step starts
+constexpr double kGuarded = 5e-4;     // of a face's size: guards hold only what sinks in deeper
+constexpr int kAnchorings = 3;        // looks for where a point that slipped is tied to
 constexpr double kFarFromLaw = 1e-3;  // of a face's size: pressures that mean little, nor how they turn with the skin
 
 }  // namespace
@@ -222,8 +224,8 @@ bool SkinContact::passes(const Eigen::Matrix3Xd& from_m, const Eigen::Matrix3Xd&
   const double way = (way_m.colwise() - way_m.rowwise().mean()).colwise().norm().maxCoeff() / pairs_.least_deepest_m();
   if (way < kShortWay) return false;
   const int looks = static_cast<int>(std::clamp(std::ceil(way / kBetweenLooks), 1.0, kMostLooks));
-  const double too_deep = std::max(kTooDeep, kDeeper * std::max(deepest(from_m), deepest(to_m)));
-  for (int look = 1; look < looks; ++look)
+  const double too_deep = std::max(kTooDeep, kDeeper * deepest(from_m));
+  for (int look = 1; look <= looks; ++look)
     if (deepest(from_m + way_m * look / looks) > too_deep) return true;
   return false;
 }

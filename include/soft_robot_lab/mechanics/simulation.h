@@ -108,7 +108,8 @@ class Simulation {
   // One for each obstacle, also where it does not touch; then one for each that a free obstacle touches or may touch.
   std::vector<ContactReading> contacts() const;
   // What passes through silicone where the scene models no contact: a warning for each actuator whose path runs through
-  // air at rest, and one for skin. Equilibria have them in their report; time steps do not.
+  // air at rest, and one for skin; one more for skin that is deep in silicone in spite of contact. Equilibria have them
+  // in their report; time steps do not.
   std::vector<SolveWarning> unmodelled_contact() const;
   std::vector<Eigen::Isometry3d> obstacle_poses() const;  // from each shape as stated to where it stands
 

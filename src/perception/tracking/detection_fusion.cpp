@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "detection_fusion.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -56,18 +57,15 @@ struct Axes {
 };
 
 struct Choice {
-  std::optional<FusedSights> fused;
-  double score = 0;
+  FusedSights fused;
+  double score;
 };
 
-void keep_better(const std::vector<MarkerDetection>& sights, const MarkerPrediction& predicted, double handicap,
-                 Choice& best) {
+void add_choice(const std::vector<MarkerDetection>& sights, const MarkerPrediction& predicted, double handicap,
+                std::vector<Choice>& choices) {
   if (sights.empty()) return;
-  const auto fused = fuse(sights, predicted);
-  if (!fused) return;
-  const double score = fused->misfit + surprise(*fused, predicted) + handicap;
-  if (best.fused && best.score <= score) return;
-  best = {fused, score};
+  if (const auto fused = fuse(sights, predicted))
+    choices.push_back({*fused, fused->misfit + surprise(*fused, predicted) + handicap});
 }
 
 }  // namespace
@@ -101,22 +99,27 @@ double surprise(const FusedSights& fused, const MarkerPrediction& predicted) {
   return miss.dot(spread.ldlt().solve(miss));
 }
 
-std::optional<FusedSights> fuse_what_agrees(const std::vector<MarkerDetection>& sights,
-                                            const MarkerPrediction& predicted, double gate) {
-  Choice best;
-  keep_better(sights, predicted, 0, best);
-  if (best.fused && best.score <= gate) return best.fused;
-  // Fewer measurements contradict each other less: leaving one out has to gain more than a measurement's usual part.
-  constexpr double kDepthHandicap = 4, kCameraHandicap = 9;
+std::vector<FusedSights> fuse_what_agrees(const std::vector<MarkerDetection>& sights, const MarkerPrediction& predicted,
+                                          double gate) {
+  std::vector<Choice> choices;
+  add_choice(sights, predicted, 0, choices);
+  if (!choices.empty() && choices.front().score <= gate) return {choices.front().fused};
+  // Fewer measurements contradict each other less: leaving one out has to gain more than its usual part.
+  constexpr double kDepthHandicap = 4, kPixelHandicap = 5;
   for (std::size_t left_out = 0; left_out < sights.size(); ++left_out) {
     std::vector<MarkerDetection> fewer = sights;
-    fewer[left_out].depth_m.reset();
-    keep_better(fewer, predicted, kDepthHandicap, best);
+    if (fewer[left_out].depth_m) {
+      fewer[left_out].depth_m.reset();
+      add_choice(fewer, predicted, kDepthHandicap, choices);
+    }
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(left_out));
-    keep_better(fewer, predicted, kCameraHandicap, best);
+    add_choice(fewer, predicted, kPixelHandicap + (sights[left_out].depth_m ? kDepthHandicap : 0), choices);
   }
-  if (!best.fused || best.score > gate) return std::nullopt;
-  return best.fused;
+  std::stable_sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) { return a.score < b.score; });
+  std::vector<FusedSights> agreeing;
+  for (const Choice& choice : choices)
+    if (choice.score <= gate) agreeing.push_back(choice.fused);
+  return agreeing;
 }
 
 }  // namespace soft_robot_lab

@@ -34,9 +34,10 @@ std::optional<FusedSights> fuse(const std::vector<MarkerDetection>& sights, cons
 // The squared Mahalanobis distance of what was measured from what was predicted.
 double surprise(const FusedSights& fused, const MarkerPrediction& predicted);
 
-// As fuse, but where the sights contradict each other or the prediction, leaves out the depth or the camera without
-// which they agree best. Nothing where the best still is beyond the gate.
-std::optional<FusedSights> fuse_what_agrees(const std::vector<MarkerDetection>& sights,
-                                            const MarkerPrediction& predicted, double gate);
+// As fuse, but where the sights contradict each other or the prediction, all that is left without one depth or one
+// camera and is within the gate, what agrees best first. What agrees best may fix less than a point, as one camera
+// without depth does.
+std::vector<FusedSights> fuse_what_agrees(const std::vector<MarkerDetection>& sights, const MarkerPrediction& predicted,
+                                          double gate);
 
 }  // namespace soft_robot_lab

@@ -119,14 +119,15 @@ void MarkerEstimator::correct(const std::vector<std::vector<MarkerDetection>>& s
   for (std::size_t i = 0; i < beliefs_.size(); ++i) {
     Belief& belief = beliefs_[i];
     belief.cameras = 0;
-    const auto fused = fuse_what_agrees(sights[i], expected[i], settings_.gate);
-    if (!fused) continue;
-    MarkerMotion corrected = belief.motion;
-    corrected.correct(*fused);
-    if (!(corrected.worst_sigma_m() <= settings_.seen_sigma_m)) continue;
-    belief.motion = corrected;
-    belief.cameras = fused->cameras;
-    surprises[i] = surprise(*fused, expected[i]);
+    for (const FusedSights& fused : fuse_what_agrees(sights[i], expected[i], settings_.gate)) {
+      MarkerMotion corrected = belief.motion;
+      corrected.correct(fused);
+      if (!(corrected.worst_sigma_m() <= settings_.seen_sigma_m)) continue;
+      belief.motion = corrected;
+      belief.cameras = fused.cameras;
+      surprises[i] = surprise(fused, expected[i]);
+      break;
+    }
   }
   forget_stretched(before, surprises);
   for (Belief& belief : beliefs_) {

@@ -42,9 +42,12 @@ int write_and_close(int file, const std::string& text) {
   return error != 0 ? error : at_end;
 }
 
+// A pipe that nobody reads is not waited for: no signal would end that.
 void write_in_place(const std::string& path, const std::string& text) {
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
+  if (file < 0 && errno == ENXIO) throw std::runtime_error(path + ": cannot be written: nobody reads this pipe");
   if (file < 0) refuse(path, errno);
+  fcntl(file, F_SETFL, fcntl(file, F_GETFL) & ~O_NONBLOCK);
   if (const int error = write_and_close(file, text); error != 0) fail(path, error);
 }
 

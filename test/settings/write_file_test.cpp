@@ -6,7 +6,9 @@
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <csignal>
 
@@ -94,6 +96,18 @@ TEST_F(WriteFile, SaysWhyItCannotWrite) {
 }
 
 // Whoever may write to the folder could lay a link under a name that is known beforehand.
+TEST_F(WriteFile, DoesNotAwaitTheReaderOfAPipe) {
+  const std::string path = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_EQ(refusal(path, "one"), path + ": cannot be written: nobody reads this pipe");
+  const int reader = open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  EXPECT_EQ(refusal(path, "one"), "written");
+  char text[4] = {};
+  EXPECT_EQ(read(reader, text, sizeof text), 3);
+  EXPECT_STREQ(text, "one");
+  close(reader);
+}
+
 TEST_F(WriteFile, FollowsNoLinkThatLiesWhereItsPartWouldBe) {
   const std::string path = folder_ / "a.txt";
   std::ofstream(folder_ / "victim.txt") << "kept";

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <atomic>
 #include <csignal>
-#include <fstream>
 #include <functional>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,6 +21,7 @@
 #include "perception/calibration/ball_finder.h"
 #include "perception/calibration/camera_tuning.h"
 #include "settings/require_in_range.h"
+#include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -194,10 +195,13 @@ CameraTuning CameraTuner::run() {
 
 void write(const std::string& path, const CameraSetting& setting) {
   if (path.empty()) return;
-  std::ofstream file(path);
-  file << "enable_auto_exposure: false\nexposure: " << setting.exposure << "\ngain: " << setting.gain << "\n"
-       << std::flush;
-  if (!file) throw std::runtime_error(path + ": cannot be written; the camera is set all the same");
+  std::ostringstream text;
+  text << "enable_auto_exposure: false\nexposure: " << setting.exposure << "\ngain: " << setting.gain << "\n";
+  try {
+    write_file(path, text.str());
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string(error.what()) + "; the camera is set all the same");
+  }
 }
 
 }  // namespace

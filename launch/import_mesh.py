@@ -133,6 +133,8 @@ def arguments():
         else:
             words.append(word)
     given = parser.parse_args(words)
+    if given.held not in ENDS:  # argparse makes nothing of --held=--
+        parser.error('--held: must be one of ' + ', '.join(ENDS))
     given.name = given.name or os.path.splitext(os.path.basename(given.mesh))[0]
     if given.mesh != given.mesh.encode(errors='replace').decode():
         parser.error('MESH: %s is no name in UTF-8; rename the file' % ascii(given.mesh))

@@ -19,6 +19,7 @@ inline constexpr double kAngle_rad = 1e4;           // an angle (`_rad`)
 inline constexpr double kAngle_deg = 1e6;           // an angle (`_deg`)
 inline constexpr double kAngularSpeed_rad_s = 1e4;  // an angular speed (`_rad_s`)
 inline constexpr double kMass_kg = 1e6;             // a mass (`_kg`)
+inline constexpr double kDensity_kg_m3 = 1e6;       // a density (`_kg_m3`)
 inline constexpr double kForce_n = 1e9;             // a force (`_n`)
 inline constexpr double kPressure_pa = 1e13;        // a pressure or a modulus (`_pa`)
 inline constexpr double kNumber = 1e12;             // any other number of an argument, a message or a service

@@ -14,7 +14,7 @@ namespace {
 
 using Words = std::string_view;
 
-constexpr std::array<std::pair<Words, double>, 10> kLargest{{{"m", limits::kPlace_m},
+constexpr std::array<std::pair<Words, double>, 11> kLargest{{{"m", limits::kPlace_m},
                                                              {"s", limits::kTime_s},
                                                              {"m_s", limits::kSpeed_m_s},
                                                              {"m_s2", limits::kAcceleration_m_s2},
@@ -22,6 +22,7 @@ constexpr std::array<std::pair<Words, double>, 10> kLargest{{{"m", limits::kPlac
                                                              {"deg", limits::kAngle_deg},
                                                              {"rad_s", limits::kAngularSpeed_rad_s},
                                                              {"kg", limits::kMass_kg},
+                                                             {"kg_m3", limits::kDensity_kg_m3},
                                                              {"n", limits::kForce_n},
                                                              {"pa", limits::kPressure_pa}}};
 

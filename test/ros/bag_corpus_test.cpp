@@ -31,6 +31,8 @@ TEST(BagReader, RefusesWhatRosbagWouldFollowBeyondItsMemory) {
       {"longer_header_none", "a record is longer than what holds it"},
       {"longer_header_lz4", "a record is longer than what holds it"},
       {"longer_header_bz2", "a record is longer than what holds it"},
+      {"longer_topic", "a record is longer than what holds it"},
+      {"rest_behind_topic", "a number is cut off"},
       {"short_bz2", "a chunk cannot be unpacked to the size that it says"},
       {"huge_chunk", "a chunk of 4294967280 bytes, must be at most 1073741824"},
       {"points_to_topic", "it points to no message of its chunk"},

@@ -101,6 +101,8 @@ for name in five halves quadratic; do
   grep -q "max_m: \[0.0008, 1, 1\]" $name.yaml || fail "$name is not held at its lower end"
   "$simulate" $name.yaml --result $name.json >message 2>&1 || fail "$name does not run"
 done
+! import five.vtk --unit mm --held=-- || fail "an end that there is not was accepted"
+grep -q -e "--held: must be one of" message || fail "an end that there is not was not explained"
 refused() { # NAME WORDS
   ! import $1.vtk --unit mm || fail "$1 was accepted"
   grep -q "$1.vtk:.*$2" message || fail "$1 was not explained"

@@ -301,6 +301,7 @@ MeshSolid::MeshSolid(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi&
 
 // Beyond the grid by how far that is, and by what is left from there on: no more than the distance.
 Gap MeshSolid::gap(const Vector3d& point_m) const {
+  if (!point_m.allFinite()) return {point_m.sum(), Vector3d::UnitZ(), Matrix3d::Zero()};
   const Vector3d at = grid_.to_steps(point_m), inside = grid_.within(at), beyond = at - inside;
   const std::optional<Gap> far = grid_.far(inside);
   Gap gap = far ? *far : gap_by_spline(grid_, inside);

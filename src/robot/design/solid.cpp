@@ -19,6 +19,7 @@ namespace {
 using Kind = Solid::Kind;
 
 constexpr AllowedRange kScale{1e-3, 1e3};
+constexpr double kShortest_m = 1e-6;  // points within 1e-7 are one for the kernel
 
 // The one key of the node that names a shape.
 Kind read_kind(const YamlNode& node) {
@@ -68,7 +69,8 @@ void read_sphere(const YamlNode& node, Solid& solid) {
 void read_axis(const YamlNode& node, Solid& solid) {
   solid.start_m = node.vector3("start_m");
   solid.end_m = node.vector3("end_m");
-  if (solid.start_m == solid.end_m) node.fail("start_m and end_m are the same point");
+  if ((solid.end_m - solid.start_m).norm() < kShortest_m)
+    node.fail("start_m and end_m are the same point, or nearer than " + format_number(kShortest_m) + " m");
 }
 
 void read_cylinder(const YamlNode& node, Solid& solid) {
@@ -102,8 +104,9 @@ void check_polygon(const YamlNode& node, const std::vector<Eigen::Vector2d>& cor
   for (size_t i = 0; i < n; ++i) {
     const size_t next = (i + 1) % n;
     area += cross(corners[i], corners[next]) / 2;
-    if (corners[i] != corners[next]) continue;
-    node.fail("corners " + std::to_string(i) + " and " + std::to_string(next) + " are the same");
+    if ((corners[next] - corners[i]).norm() >= kShortest_m) continue;
+    node.fail("corners " + std::to_string(i) + " and " + std::to_string(next) + " are the same, or nearer than " +
+              format_number(kShortest_m) + " m");
   }
   if (area == 0) node.fail("encloses no area");
   for (size_t i = 0; i < n; ++i) {
@@ -150,6 +153,7 @@ void read_extrude(const YamlNode& node, Solid& solid) {
 Eigen::Vector3d read_direction(const YamlNode& node, const std::string& key) {
   const Eigen::Vector3d given = node.vector3(key);
   if (given.norm() < 1e-9) node.child(key).fail("has no length");
+  if (!(given.norm() <= 1e9)) node.child(key).fail("is longer than 1e9; its length does not matter");
   return given;
 }
 

@@ -141,9 +141,12 @@ std::set<std::uint32_t> messages_of(std::string_view chunk) {
   std::set<std::uint32_t> messages;
   for (std::size_t at = 0; at < chunk.size();) {
     const std::string_view header = part_at(chunk, at);
-    if (kind_of(fields_of(header)) == kMessage) messages.insert(messages.end(), static_cast<std::uint32_t>(at));
+    const char kind = kind_of(fields_of(header));
+    if (kind == kMessage) messages.insert(messages.end(), static_cast<std::uint32_t>(at));
     at += 4 + header.size();
-    at += 4 + part_at(chunk, at).size();
+    const std::string_view data = part_at(chunk, at);
+    if (kind == kConnection) fields_of(data);
+    at += 4 + data.size();
   }
   return messages;
 }
@@ -161,7 +164,9 @@ class Records {
     if (kind == kIndex) add_index(fields, data);
     if (kind == kChunkInfo && chunks_.count(number_of<std::uint64_t>(fields, "chunk_pos")) == 0)
       refuse("it names a chunk where none is");
-    if (kind == kConnection && place >= index_) connections_.insert(number_of<std::uint32_t>(fields, "conn"));
+    if (kind != kConnection) return;
+    fields_of(data);  // they are read as the header is
+    if (place >= index_) connections_.insert(number_of<std::uint32_t>(fields, "conn"));
   }
 
   void require_whole(std::uint64_t end) const {

@@ -9,15 +9,21 @@ export ROS_HOME LIBGL_ALWAYS_SOFTWARE=1 here
 ROS_HOME=$(mktemp -d)
 trap 'rm -rf "$ROS_HOME"' EXIT
 xvfb-run -a -s "-screen 0 1280x800x24" bash -c '
-  "$here/../../launch/view.sh" "$here/../data/scenes/cable_bar.yaml" >"$ROS_HOME/said" 2>&1 &
-  view=$!
-  trap "kill -INT $view 2>/dev/null; wait $view 2>/dev/null" EXIT
   find_window() { xdotool search --onlyvisible --name "RViz" 2>/dev/null | head -n 1; }
-  for ((i = 0; i < 120; ++i)); do
-    [[ -z $(find_window) ]] || break
-    kill -0 $view || { cat "$ROS_HOME/said"; exit 1; }
-    sleep 0.5
+  # Mesa (22.3.6), where software draws, now and then ends rviz by SIGSEGV or SIGFPE as it first swaps its buffers. That is not
+  # asked here: it starts again.
+  for ((start = 0; start < 3; ++start)); do
+    "$here/../../launch/view.sh" "$here/../data/scenes/cable_bar.yaml" >"$ROS_HOME/said" 2>&1 &
+    view=$!
+    trap "kill -INT $view 2>/dev/null; wait $view 2>/dev/null" EXIT
+    for ((i = 0; i < 120; ++i)); do
+      [[ -z $(find_window) ]] || break 2
+      kill -0 $view 2>/dev/null || break
+      sleep 0.5
+    done
+    grep -q "exit code -\(8\|11\)," "$ROS_HOME/said" || { cat "$ROS_HOME/said"; exit 1; }
   done
+  [[ -n $(find_window) ]] || { cat "$ROS_HOME/said"; exit 1; }
   changed() { [[ $(xdotool getwindowname "$(find_window)") == *\** ]]; }
   for ((i = 0; i < 20; ++i)); do # the camera is turned
     xdotool windowfocus "$(find_window)" key m mousemove 900 400 mousedown 1 sleep 0.2 mousemove 950 420 sleep 0.2 mouseup 1 sleep 0.5

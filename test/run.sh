@@ -28,7 +28,7 @@ grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott
 OPENBLAS_CORETYPE=$other ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$jobs"
 unset ROS_HOSTNAME
 export ROS_IP=127.0.0.1 # the machine's own name need not resolve
-ctest --test-dir "$package/build" --output-on-failure -j$((jobs + 2)) # sessions, which wait for much of their time, count twice
+ctest --test-dir "$package/build" --output-on-failure -j$((jobs + 2)) # whole sessions count twice
 [[ -n $all ]] || exit 0
 
 status=0

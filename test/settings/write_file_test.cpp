@@ -95,7 +95,6 @@ TEST_F(WriteFile, SaysWhyItCannotWrite) {
   EXPECT_EQ(refusal("/dev/null", "text"), "written");
 }
 
-// Whoever may write to the folder could lay a link under a name that is known beforehand.
 TEST_F(WriteFile, DoesNotAwaitTheReaderOfAPipe) {
   const std::string path = folder_ / "pipe";
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
@@ -108,6 +107,7 @@ TEST_F(WriteFile, DoesNotAwaitTheReaderOfAPipe) {
   close(reader);
 }
 
+// Whoever may write to the folder could lay a link under a name that is known beforehand.
 TEST_F(WriteFile, FollowsNoLinkThatLiesWhereItsPartWouldBe) {
   const std::string path = folder_ / "a.txt";
   std::ofstream(folder_ / "victim.txt") << "kept";

@@ -81,13 +81,13 @@ TEST(MeshGap, IsNoMoreThanTheDistance) {
   }
 }
 
-// A large ball meets the triangles themselves, whose edges need no rounding.
 // As a step's trial may be, which is refused for that.
 TEST(MeshGap, OfAPlaceThatIsNoNumberIsNone) {
   const MeshShape shape = shape_of(box_triangles({0, 0, 0}, {0.01, 0.01, 0.01}));
   for (const double none : {std::nan(""), HUGE_VAL}) EXPECT_FALSE(std::isfinite(shape.solid->gap({0, none, 0}).gap_m));
 }
 
+// A large ball meets the triangles themselves, whose edges need no rounding.
 TEST(MeshGap, OfALargeBallIsTheDistanceToTheTriangles) {
   constexpr double kStep = 1e-7;
   for (const Triangles& surface : some_surfaces()) {

@@ -177,9 +177,10 @@ bool held_by_friction_alone(const SimulationParts& parts) {
   return !free_motion(parts.body, parts.state.positions_m, ContactSums()).empty();
 }
 
-RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options) {
+RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options, int most_iterations) {
   NewtonState unknown = parts.unknowns();
   NewtonTask task = rest_task(parts);
+  task.max_iterations = std::min(parts.options.max_iterations, most_iterations);
   task.tolerance = std::max(task.tolerance, options.tolerance);
   task.only_through_stable = options.only_through_stable;
   const NewtonReport newton = parts.solve(task, unknown, report);

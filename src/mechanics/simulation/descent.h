@@ -3,6 +3,7 @@
 #pragma once
 
 #include "ballooning.h"
+#include "mechanics/solver_constants.h"
 #include "simulation_parts.h"
 
 namespace soft_robot_lab {
@@ -11,7 +12,8 @@ namespace soft_robot_lab {
 enum class RestFound { stable, saddle, none, beyond };  // the last: on a way that may be too far for one stage
 
 // Newton alone. Only a stable rest state becomes the state; else it stays as it was.
-RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {});
+RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {},
+                int most_iterations = constants::kStageIterations);
 
 // The same after a fall down the energy (SimulationParts::solve_from_below).
 RestFound relax_from_below(SimulationParts& parts, SolveReport& report);

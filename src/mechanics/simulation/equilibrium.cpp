@@ -8,6 +8,7 @@
 #include "actuator_warnings.h"
 #include "descent.h"
 #include "free_motion.h"
+#include "grip.h"
 #include "mechanics/body/gap.h"
 #include "mechanics/contact/passed_obstacles.h"
 #include "rest_path.h"
@@ -26,8 +27,9 @@ constexpr double kLeap = 2.0;           // times as far as the small stage befor
 constexpr double kSmallWay = 1e-3;      // of the body's size: no jump
 // Commands that pull a body past obstacles: in as many stages, and in ever more until the end stays.
 constexpr int kFewStages = 4, kTimesMore = 4, kMostStages = 256;
-constexpr double kSameEnd = 2e-4;  // of the body's size
-constexpr double kBentWay = 1.5;   // times the straight way of a node past an obstacle: a way that is bent
+constexpr double kSameEnd = 2e-4;    // of the body's size
+constexpr double kBentWay = 1.5;     // times the straight way of a node past an obstacle: a way that is bent
+constexpr int kSlipIterations = 60;  // where points stick and slip by turns
 
 void report_unfinished(double done, SolveReport& report) {
   report.converged = false;
@@ -67,6 +69,8 @@ class Walk {
     return !options_.only_through_stable && path_.changes_in_stages() &&
            0.5 * (share - done_) * constants::kSmallestStage >= 1.0;
   }
+  // By what moves, where all else stays.
+  bool pressed(double share) const { return cuttable(share) && !path_.changes_loads(); }
   // Of the node that went furthest.
   double way_from_m(const Eigen::Matrix3Xd& from_m) const {
     return (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
@@ -75,6 +79,7 @@ class Walk {
   void begin_slowly(const SimulationState& start);
   bool way_counts(const SimulationState& from) const;
   bool jumped(double share, const Eigen::Matrix3Xd& from_m);
+  RestFound relax_at(double share);
   RestFound try_stage(double share);
   Nudge softest_way();
   bool leapt(double share, const Eigen::Matrix3Xd& from_m);
@@ -93,6 +98,7 @@ class Walk {
   // How far the shape went in the two stages before, as for all of the way [m].
   struct StagesBefore {
     double last_m = 0.0, last_but_one_m = 0.0;
+    bool slipped = false;  // in the last one what was gripped stayed behind
   };
 
   SimulationParts& parts_;
@@ -184,17 +190,37 @@ bool Walk::leapt(double share, const Eigen::Matrix3Xd& from_m) {
 }
 
 // By Newton, through stable shapes alone where the stage can still be cut. Where that leads through an unstable
-// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything. Skin that is
-// pressed by what moves may be unstable on the way to a stable shape; there no node may jump.
+// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything. What is gripped
+// goes along, or the way is a short one.
+RestFound Walk::relax_at(double share) {
+  const Grip grip(parts_, path_.time_s(done_), path_.time_s(share));
+  const bool too_far = grip.holds_something() && !grip.goes_a_short_way() && !options_.only_through_stable;
+  if (too_far && ways_.slipped) return RestFound::beyond;
+  const bool strict = options_.only_through_stable || (cuttable(share) && !pressed(share));
+  if (grip.holds_something() && !ways_.slipped) {
+    SimulationState from = parts_.state;
+    grip.carry(parts_.state);
+    path_.go_to(share);
+    const RestFound found = relax(parts_, report_, {options_.tolerance, strict});
+    if (found == RestFound::stable) return found;
+    parts_.state = std::move(from);
+    if (too_far) return RestFound::beyond;
+  }
+  path_.go_to(share);
+  const int most = grip.holds_something() ? kSlipIterations : constants::kStageIterations;
+  RestFound found = relax(parts_, report_, {options_.tolerance, strict}, most);
+  if (pressed(share) && found == RestFound::none && !held_by_friction_alone(parts_))
+    found = relax_from_below(parts_, report_);
+  if (found == RestFound::stable) ways_.slipped = !grip.took_along(parts_.state.contact.free);
+  return found;
+}
+
+// Skin that is pressed by what moves may be unstable on the way to a stable shape; there no node may jump.
 RestFound Walk::try_stage(double share) {
   SimulationState from = parts_.state;
-  path_.go_to(share);
-  const bool cut_can_help = cuttable(share), pressed = cut_can_help && !path_.changes_loads();
-  const bool strict = options_.only_through_stable || (cut_can_help && !pressed);
-  RestFound found = relax(parts_, report_, {options_.tolerance, strict});
-  if (pressed && found == RestFound::none && !held_by_friction_alone(parts_)) found = relax_from_below(parts_, report_);
+  const RestFound found = relax_at(share);
   if (found != RestFound::stable) return found;
-  if ((pressed && jumped(share, from.positions_m)) || leapt(share, from.positions_m)) {
+  if ((pressed(share) && jumped(share, from.positions_m)) || leapt(share, from.positions_m)) {
     parts_.state = std::move(from);
     return RestFound::saddle;  // it went over one
   }
@@ -298,8 +324,12 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   if (found == RestFound::saddle && !held_by_friction_alone(parts_)) return lose_stability(share) || fall_to(share);
   // With all that is left a body that is pressed might fold, or slip off what presses it.
   const double end = path_.stage_end(done_, 1.0);
-  const bool pressed = parts_.body.touches_itself() || path_.something_moves();
-  if (pressed && path_.changes_in_stages() && fall_to(share)) return true;
+  const bool pushed = parts_.body.touches_itself() || path_.something_moves();
+  if (pushed && path_.changes_in_stages() && fall_to(share)) return true;
+  if (Grip(parts_, path_.time_s(done_), path_.time_s(end)).holds_something()) {
+    report_.message = "what the body grips slips there; steps in time say where it goes";
+    return false;
+  }
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
 }
 

@@ -6,7 +6,7 @@
 namespace soft_robot_lab {
 
 std::vector<Eigen::Vector3d> read_points(const YamlNode& owner, const std::string& key) {
-  constexpr double kNear_m = 1e-9;
+  constexpr double kNear_m = 1e-6;  // points within 1e-7 are one for the kernel of solids
   std::vector<Eigen::Vector3d> points_m;
   for (const YamlNode& item : owner.sequence(key)) {
     const Eigen::VectorXd point = item.as_numbers();

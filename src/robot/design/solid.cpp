@@ -2,7 +2,9 @@
 #include "soft_robot_lab/robot/design/solid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -20,6 +22,7 @@ using Kind = Solid::Kind;
 
 constexpr AllowedRange kScale{1e-3, 1e3};
 constexpr double kShortest_m = 1e-6;  // points within 1e-7 are one for the kernel
+constexpr AllowedRange kLength{kShortest_m, std::numeric_limits<double>::infinity()};
 
 // The one key of the node that names a shape.
 Kind read_kind(const YamlNode& node) {
@@ -58,11 +61,11 @@ std::string read_name(const YamlNode& solid, const YamlNode& shape) {
 void read_box(const YamlNode& node, Solid& solid) {
   solid.size_m = node.vector3("size_m");
   solid.center_m = node.vector3("center_m");
-  for (const YamlNode& edge : node.sequence("size_m")) edge.as_number(AllowedRange::positive());
+  for (const YamlNode& edge : node.sequence("size_m")) edge.as_number(kLength);
 }
 
 void read_sphere(const YamlNode& node, Solid& solid) {
-  solid.radius_m = node.number("radius_m", AllowedRange::positive());
+  solid.radius_m = node.number("radius_m", kLength);
   solid.center_m = node.vector3("center_m");
 }
 
@@ -75,14 +78,19 @@ void read_axis(const YamlNode& node, Solid& solid) {
 
 void read_cylinder(const YamlNode& node, Solid& solid) {
   read_axis(node, solid);
-  solid.radius_m = solid.end_radius_m = node.number("radius_m", AllowedRange::positive());
+  solid.radius_m = solid.end_radius_m = node.number("radius_m", kLength);
 }
 
 void read_cone(const YamlNode& node, Solid& solid) {
   read_axis(node, solid);
   solid.radius_m = node.number("radius_m", AllowedRange::not_negative());
   solid.end_radius_m = node.number("end_radius_m", AllowedRange::not_negative());
-  if (solid.radius_m == 0.0 && solid.end_radius_m == 0.0) node.fail("radius_m and end_radius_m are both 0");
+  if (std::max(solid.radius_m, solid.end_radius_m) < kShortest_m)
+    node.fail("radius_m and end_radius_m are both 0, or less than " + format_number(kShortest_m) + " m");
+  // The kernel takes no cone that nearly is a cylinder, or nearly has a tip.
+  if (std::abs(solid.radius_m - solid.end_radius_m) < kShortest_m) solid.end_radius_m = solid.radius_m;
+  for (double* radius_m : {&solid.radius_m, &solid.end_radius_m})
+    if (*radius_m < kShortest_m) *radius_m = 0.0;
 }
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -146,7 +154,8 @@ void read_polygon(const YamlNode& node, Solid& solid) {
 void read_extrude(const YamlNode& node, Solid& solid) {
   read_polygon(node, solid);
   const Eigen::VectorXd z_m = node.child("z_m").as_numbers();
-  if (z_m.size() != 2 || !(z_m[0] < z_m[1])) node.child("z_m").fail("must be [min, max] with min < max");
+  if (z_m.size() != 2 || !(z_m[1] - z_m[0] >= kShortest_m))
+    node.child("z_m").fail("must be [min, max], at least " + format_number(kShortest_m) + " m apart");
   solid.z_m = z_m;
 }
 
@@ -164,7 +173,7 @@ void read_sweep(const YamlNode& node, Solid& solid) {
   if (solid.spline_m.size() < 2) node.child("spline_m").fail("has less than 2 points");
   if (node.has("radius_m") == node.has("polygon_m")) node.fail("must have one of radius_m, polygon_m");
   if (node.has("radius_m")) {
-    solid.radius_m = node.number("radius_m", AllowedRange::positive());
+    solid.radius_m = node.number("radius_m", kLength);
     return;
   }
   read_polygon(node, solid);
@@ -225,7 +234,7 @@ void read_array(const YamlNode& node, Solid& solid) {
 // Of all edges, or of those that lie in a box.
 void read_fillet(const YamlNode& node, Solid& solid) {
   solid.parts = {read_moved(node)};
-  solid.radius_m = node.number("radius_m", AllowedRange::positive());
+  solid.radius_m = node.number("radius_m", kLength);
   solid.start_m.setConstant(-limits::kPlace_m);
   solid.end_m.setConstant(limits::kPlace_m);
   const std::optional<YamlNode> box = node.optional_child("edges_in");

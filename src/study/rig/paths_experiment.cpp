@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
@@ -14,6 +13,7 @@
 #include "fit_rig_experiment.h"
 #include "lab_settings.h"
 #include "path_run.h"
+#include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -257,7 +257,7 @@ class RobotRun {
     }
     std::string file = outcome.robot + "_" + outcome.name + ".yaml";
     std::replace(file.begin(), file.end(), ' ', '_');
-    std::ofstream(context_.output_folder + "/" + file) << policy_yaml(policy_of(learnt));
+    write_file(context_.output_folder + "/" + file, policy_yaml(policy_of(learnt)));
   }
 
   const RobotPaths& robot_;

@@ -107,18 +107,29 @@ TEST(Solid, TakesANameAmongTheDimensionsToo) {
   EXPECT_EQ(read("sphere: {radius_m: 0.1, center_m: [0, 0, 0], name: cavity}").name, "cavity");
 }
 
+// The kernel failed at both: "cone with two identic radii", "with negative or too small radius".
+TEST(Solid, ConesWithinAMicrometreOfACylinderOrATipAreThat) {
+  const Solid cylinder = read("cone: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 1, end_radius_m: 1.0000000001}");
+  EXPECT_EQ(cylinder.radius_m, cylinder.end_radius_m);
+  const Solid tip = read("cone: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 1, end_radius_m: 1.0e-300}");
+  EXPECT_EQ(tip.radius_m, 1.0);
+  EXPECT_EQ(tip.end_radius_m, 0.0);
+}
+
 TEST(Solid, NamesThePlaceOfWhatIsWrong) {
   const std::vector<std::pair<std::string, std::string>> faults = {
       {"5", "must be a solid such as"},
       {"bx: {}", "holds no shape but 'bx'; must hold one of box, sphere, cylinder, cone, extrude, sweep, union, "},
       {"{box: {}, sphere: {}}", "'box' and 'sphere' in one solid"},
-      {"box: {size_m: [1, 0, 1], center_m: [0, 0, 0]}", "box.size_m[1]: 0 is out of range (0, inf)"},
+      {"box: {size_m: [1, 0, 1], center_m: [0, 0, 0]}", "box.size_m[1]: 0 is out of range [1e-06, inf)"},
       {"box: {size_m: [1, 1, 1]}", "box: key 'center_m' is missing"},
       {"box: {size_m: [1, 1, 1], center_m: [0, 0, 0], colour: red}", "box: unknown key 'colour'"},
-      {"sphere: {radius_m: -1, center_m: [0, 0, 0]}", "sphere.radius_m: -1 is out of range (0, inf)"},
+      {"sphere: {radius_m: -1, center_m: [0, 0, 0]}", "sphere.radius_m: -1 is out of range [1e-06, inf)"},
+      {"sphere: {radius_m: 1e-300, center_m: [0, 0, 0]}", "sphere.radius_m: 1e-300 is out of range [1e-06, inf)"},
       {"cylinder: {start_m: [0, 0, 1], end_m: [0, 0, 1], radius_m: 1}", "start_m and end_m are the same point"},
       {"cylinder: {start_m: [0, 0, 1], end_m: [0, 5e-7, 1], radius_m: 1}", "same point, or nearer than 1e-06 m"},
       {"cone: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 0, end_radius_m: 0}", "are both 0"},
+      {"cone: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 0, end_radius_m: 1e-300}", "are both 0, or less than"},
       {"cone: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 1, end_radius_m: -1}",
        "cone.end_radius_m: -1 is out of"},
       {"extrude: {polygon_m: [[0, 0], [1, 0]], z_m: [0, 1]}", "has 2 corners, must have at least 3"},
@@ -128,7 +139,9 @@ TEST(Solid, NamesThePlaceOfWhatIsWrong) {
       {"extrude: {polygon_m: [[0, 0], [1, 0], [1, 1e-300]], z_m: [0, 1]}",
        "1 and 2 are the same, or nearer than 1e-06 m"},
       {"extrude: {polygon_m: [[0, 0], [1, 0, 0], [0, 1]], z_m: [0, 1]}", "polygon_m[1]: has 3 numbers, must have 2"},
-      {"extrude: {polygon_m: [[0, 0], [1, 0], [0, 1]], z_m: [1, 1]}", "must be [min, max] with min < max"},
+      {"extrude: {polygon_m: [[0, 0], [1, 0], [0, 1]], z_m: [1, 1]}", "must be [min, max], at least 1e-06 m apart"},
+      {"extrude: {polygon_m: [[0, 0], [1, 0], [0, 1]], z_m: [0, 1e-300]}",
+       "must be [min, max], at least 1e-06 m apart"},
       {"difference: [{sphere: {radius_m: 1, center_m: [0, 0, 0]}}]", "has 1 solids, must have at least 2"},
       {"union: []", "has 0 solids, must have at least 1"},
       {"\nunion:\n- sphere: {radius_m: 1, center_m: [0, 0, 0]}\n- sphere: {radius_m: nan, center_m: [0, 0, 0]}",
@@ -142,11 +155,12 @@ TEST(Solid, NamesThePlaceOfWhatIsWrong) {
       {"array: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, count: 2}", "needs by_m or angle_deg"},
       {"sweep: {spline_m: [[0, 0, 0]], radius_m: 1}", "spline_m: has less than 2 points"},
       {"sweep: {spline_m: [[0, 0, 0], [0, 0, 0]], radius_m: 1}", "spline_m[1]: repeats the point before it"},
+      {"sweep: {spline_m: [[0, 0, 0], [0, 0, 9e-7]], radius_m: 1}", "spline_m[1]: repeats the point before it"},
       {"sweep: {spline_m: [[0, 0, 0], [0, 0, 1]]}", "must have one of radius_m, polygon_m"},
       {"sweep: {spline_m: [[0, 0, 0], [0, 0, 1]], polygon_m: [[0, 0], [1, 0], [0, 1]], x_axis: [0, 0, 2]}",
        "sweep.x_axis: runs along the curve's start, must run across it"},
       {"fillet: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, radius_m: 0}",
-       "fillet.radius_m: 0 is out of range (0, inf)"},
+       "fillet.radius_m: 0 is out of range [1e-06, inf)"},
       {"fillet: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, radius_m: 1, "
        "edges_in: {min_m: [0, 0, 1], max_m: [0, 0, 0]}}",
        "fillet.edges_in: min_m lies beyond max_m"},

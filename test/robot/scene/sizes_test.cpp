@@ -328,19 +328,6 @@ TEST(Sizes, WarningsComeBeforeAMeshIsJudgedOrAModelTrained) {
   }
 }
 
-TEST(Sizes, APartTooSmallForTheKernelIsNamed) {
-  const SceneFolder folder;
-  try {
-    load_scene(folder.write("tiny.yaml", body("solid: {box: {size_m: [1.0e-300, 1, 1], center_m: [0, 0, 0]}}")),
-               with_mesher());
-    ADD_FAILURE() << "accepted";
-  } catch (const SettingsError& error) {
-    EXPECT_NE(std::string(error.what()).find("the solid cannot be built: a part of it is below 1e-9 m"),
-              std::string::npos)
-        << error.what();
-  }
-}
-
 // Before anything is meshed, or the mesher would run into its limit of time.
 TEST(Sizes, ASolidTooLargeToMeshIsAskedForItsUnit) {
   const SceneFolder folder;

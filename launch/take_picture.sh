@@ -12,7 +12,7 @@ screen=--fullscreen
 [[ ${2:-session} == session ]] || screen=
 export LIBGL_ALWAYS_SOFTWARE=1 output view screen
 xvfb-run -a -s "-screen 0 1280x800x24" bash -c '
-  rviz $screen -d "$view" __name:=picture >/dev/null 2>&1 &
+  rosrun soft_robot_lab session_rviz true $screen -d "$view" __name:=picture >/dev/null 2>&1 &
   rviz=$!
   trap "kill $rviz 2>/dev/null; wait $rviz 2>/dev/null" EXIT
   sleep "${PICTURE_DELAY_S:-12}" # until it has drawn

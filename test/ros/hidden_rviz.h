@@ -27,7 +27,8 @@ class HiddenRviz {
       setenv("ROS_HOME", home().c_str(), 1);  // where the panel keeps poses
       setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
       setenv("MALLOC_PERTURB_", "165", 1);  // what uses memory that it gave back, crashes
-      execlp("rviz", "rviz", "--disable-anti-aliasing", "-d", config_.c_str(), "__name:=panel_rviz", nullptr);
+      execlp("rosrun", "rosrun", "soft_robot_lab", "session_rviz", "false", "-d", config_.c_str(), "__name:=panel_rviz",
+             nullptr);
       _exit(127);
     }
     const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(120.0);

@@ -3,6 +3,7 @@
 // as smoothing them takes most of its time there, and the window answers late.
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,17 @@ void keep_decimal_points() {
   setenv("LC_NUMERIC", "C", 1);
 }
 
+// By its name, as a path with a blank in it would be two.
+void load_into_rviz(const std::string& library) {
+  const std::string folder = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "..").string();
+  const auto put_first = [](const char* variable, const std::string& value) {
+    const char* before = std::getenv(variable);
+    setenv(variable, (before && *before ? value + ":" + before : value).c_str(), 1);
+  };
+  put_first("LD_LIBRARY_PATH", folder);
+  put_first("LD_PRELOAD", library);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -47,6 +59,7 @@ int main(int argc, char** argv) {
     arguments.push_back(const_cast<char*>("--disable-anti-aliasing"));
   arguments.insert(arguments.end(), argv + 2, argv + argc + 1);  // with the null at their end
   keep_decimal_points();
+  load_into_rviz("libsrl_window_order.so");
   execvp("rviz", arguments.data());
   std::perror("session_rviz: rviz");
   return 127;

@@ -75,14 +75,19 @@ class Client(unittest.TestCase):
         self.assertEqual(stages, {'searches', 'moves'})
         self.assertGreater(max(iterations), 0)
         goal.marker = 'elbow'
-        # SimpleActionClient drops an answer that comes before its send_goal returns, and then waits for ever.
+        self.assertIn('elbow', self.refusal(client, goal))
+        goal.marker, goal.target.header.frame_id = 'tip', 'nowhere'
+        self.assertEqual("header.frame_id: no transform leads from 'nowhere' to 'robot_base'", self.refusal(client, goal))
+
+    # SimpleActionClient drops an answer that comes before its send_goal returns, and then waits for ever.
+    def refusal(self, client, goal):
         refused = client.action_client.send_goal(goal)
         for _ in range(600):
             if refused.get_comm_state() == CommState.DONE:
                 break
             time.sleep(0.1)
         self.assertEqual(refused.get_goal_status(), GoalStatus.ABORTED)
-        self.assertIn('elbow', refused.get_result().message)
+        return refused.get_result().message
 
     def test_ends_an_action_that_is_preempted(self):
         client = actionlib.SimpleActionClient('/controller/optimise_policy', OptimisePolicyAction)

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <tf2/exceptions.h>
+
 #include "ros/messages/conversions.h"
 #include "ros/messages/frames.h"
 #include "ros/messages/image_messages.h"
@@ -100,7 +102,12 @@ void TargetMarker::on_feedback(const Feedback& feedback) {
 Eigen::Vector3d TargetMarker::in_robot_base(const geometry_msgs::PoseStamped& pose) const {
   const Eigen::Vector3d position_m = from_message(pose.pose.position, "pose.position");
   if (pose.header.frame_id == robot_frame()) return position_m;
-  return isometry(frames_.lookupTransform(robot_frame(), pose.header.frame_id, ros::Time(0)).transform) * position_m;
+  try {
+    return isometry(frames_.lookupTransform(robot_frame(), pose.header.frame_id, ros::Time(0)).transform) * position_m;
+  } catch (const tf2::TransformException&) {
+    throw std::invalid_argument("header.frame_id: no transform leads from '" + pose.header.frame_id + "' to '" +
+                                robot_frame() + "'");
+  }
 }
 
 // Only where it is, not how it is turned.

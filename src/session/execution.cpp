@@ -42,6 +42,7 @@ ExecutionReport Execution::execute(const ExecutionOrder& order) {
   ExecutionReport& report = run_->report;
   std::string failure = wait(lock, [&] { return run_->sent && (run_->rested || !order.wait_until_rest); });
   if (failure.empty() && order.loop != nullptr) failure = correct(lock);
+  if (failure.empty() && order.follower != nullptr) failure = follow(lock);
   report.success = failure.empty();
   if (!failure.empty()) report.message = failure;
   report.duration_s = run_->elapsed_s();
@@ -64,7 +65,8 @@ std::string Execution::problem() const {
   if (run_->elapsed_s() > run_->order.time_limit_s && run_->sent && drives_report_ && !run_->heard)
     return "the simulator has not heard the last command within " + std::to_string(run_->order.time_limit_s) + " s";
   if (run_->elapsed_s() > run_->order.time_limit_s)
-    return "not at rest within " + std::to_string(run_->order.time_limit_s) + " s";
+    return (followed_ ? "not at the path's end within " : "not at rest within ") +
+           std::to_string(run_->order.time_limit_s) + " s";
   if (host_.ends()) return "cancelled: the session ends";
   if (host_.machine_time_s() - run_->heard_at_s > silence_s) return "no markers came for 10 s";
   return "";
@@ -102,6 +104,18 @@ std::string Execution::correct(std::unique_lock<std::mutex>& lock) {
     run_->rest = RestDetector();
     run_->rested = false;
   }
+}
+
+std::string Execution::follow(std::unique_lock<std::mutex>& lock) {
+  followed_.emplace(*run_->order.follower, run_->now_s);
+  const std::shared_ptr<void> ended(nullptr, [this](void*) { followed_.reset(); });
+  std::string failure = wait(lock, [this] { return followed_->ended(); });
+  run_->report.measured_path_rms_m = followed_->measured_rms_m();
+  run_->report.simulated_path_rms_m = followed_->simulated_rms_m();
+  run_->report.measured_path = followed_->measured();
+  if (failure.empty() && followed_->last().end != PathEnd::done)
+    failure = followed_->last().reason + "; the commands are held";
+  return failure;
 }
 
 // Markers at rest, or none for so long that the loop has to know.
@@ -146,6 +160,8 @@ void Execution::add_simulated(double stamp_s, const std::vector<Eigen::Vector3d>
   run_->report.simulated_s = stamp_s;
   if (!run_->sent) {
     play();
+  } else if (followed_) {
+    go_on_along_path(positions_m);
   } else if (!run_->rested) {
     repeat();
     if (drives_report_ && !run_->heard) run_->rest = RestDetector();
@@ -159,6 +175,7 @@ void Execution::add_measured(const MarkerFrame& frame) {
   const std::lock_guard lock(mutex_);
   if (!run_) return;
   run_->report.measured_s = frame.time_s;
+  if (followed_) followed_->add_measured(frame);
   if (measured_rest_.add(frame)) run_->seen_s = run_->now_s;
   changed_.notify_all();
 }
@@ -179,11 +196,27 @@ void Execution::add_drives(const std::vector<std::string>& names, const std::vec
 }
 
 // Motors refuse commands that follow one another too fast.
-void Execution::play() {
+bool Execution::too_early_for_motors() const {
   constexpr double least_period_s = 0.01;  // of the machine's time
-  if (motors_.known() && host_.machine_time_s() - run_->commanded_at_s < least_period_s) return;
+  return motors_.known() && host_.machine_time_s() - run_->commanded_at_s < least_period_s;
+}
+
+void Execution::play() {
+  if (too_early_for_motors()) return;
   send(run_->player.names(), run_->player.values_at(run_->elapsed_s()));
   run_->sent = run_->elapsed_s() >= run_->player.end_s();
+}
+
+void Execution::go_on_along_path(const std::vector<Eigen::Vector3d>& positions_m) {
+  if (run_->order.followed_marker < positions_m.size())
+    followed_->add_simulated(run_->now_s, positions_m[run_->order.followed_marker]);
+  if (too_early_for_motors()) return;
+  const std::optional<FollowStep> step = followed_->next(run_->now_s);
+  if (!step || !(step->end == PathEnd::none || step->end == PathEnd::done)) return;
+  std::vector<std::string> names;
+  for (const PathDrive& drive : run_->order.follower->plan().drives) names.push_back(drive.actuator);
+  send(names, values_of(step->commands));
+  if (run_->order.on_path) run_->order.on_path(step->path_s, followed_->last_distance_m());
 }
 
 // The last command may have been refused all the same, where two were waiting for the motors' node.

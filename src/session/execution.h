@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plays a policy on actuators and, in closed loop, corrects it by what tracked markers show. Driven by the stamps of
-// markers, so in whatever time a session runs. One thread executes and waits; others add what they hear.
+// Plays a policy on actuators and, in closed loop, corrects it by what tracked markers show; or, where it has come to
+// rest, follows a path. Driven by the stamps of markers, so in whatever time a session runs. One thread executes and
+// waits; others add what they hear.
 #pragma once
 
 #include <condition_variable>
@@ -15,6 +16,7 @@
 
 #include "soft_robot_lab/control/closed_loop.h"
 #include "soft_robot_lab/control/policy.h"
+#include "followed_path.h"
 #include "marker_frame.h"
 #include "measured_rest.h"
 #include "motor_watch.h"
@@ -26,19 +28,24 @@ struct ExecutionOrder {
   CommandPolicy policy;
   std::vector<double> start_values;  // of its actuators
   bool wait_until_rest = true;
-  double time_limit_s = 30.0;  // of session time, for all of it
-  ClosedLoop* loop = nullptr;  // starts where the policy ends; none: nothing is corrected
+  double time_limit_s = 30.0;        // of session time, for all of it
+  ClosedLoop* loop = nullptr;        // starts where the policy ends; none: nothing is corrected
+  PathFollower* follower = nullptr;  // starts where the policy has come to rest; in place of a loop
+  std::size_t followed_marker = 0;   // among the simulated ones
+  std::function<void(double path_s, std::optional<double> distance_m)> on_path = {};  // at each command; quick
 };
 
 struct ExecutionReport {
   bool success = false;
-  std::string message;                            // why not, or how a correction ended
-  double duration_s = 0.0;                        // of session time
-  int corrections = 0;                            // commands sent in closed loop
-  double final_distance_m = -1.0;                 // measured at the last rest; -1: not known
-  std::vector<std::string> names;                 // of actuators
-  std::vector<double> values;                     // and what they were sent last
-  std::optional<double> simulated_s, measured_s;  // stamps of the last markers that were heard
+  std::string message;                                              // why not, or how a correction ended
+  double duration_s = 0.0;                                          // of session time
+  int corrections = 0;                                              // commands sent in closed loop
+  double final_distance_m = -1.0;                                   // measured at the last rest; -1: not known
+  std::vector<std::string> names;                                   // of actuators
+  std::vector<double> values;                                       // and what they were sent last
+  std::optional<double> simulated_s, measured_s;                    // stamps of the last markers that were heard
+  std::optional<double> measured_path_rms_m, simulated_path_rms_m;  // of the followed marker from where it should be
+  MarkerTrack measured_path;                                        // by times since the path's start
 };
 
 // What an execution needs of the process it runs in.
@@ -94,9 +101,12 @@ class Execution {
   std::string wait(std::unique_lock<std::mutex>& lock, const std::function<bool()>& reached);
   std::string problem() const;
   std::string correct(std::unique_lock<std::mutex>& lock);
+  std::string follow(std::unique_lock<std::mutex>& lock);
   bool may_correct(double after_s) const;
   bool follow_clock(double stamp_s);  // false where it jumped, which ends the run
   void play();
+  bool too_early_for_motors() const;
+  void go_on_along_path(const std::vector<Eigen::Vector3d>& positions_m);
   void repeat();
   void send(const std::vector<std::string>& names, const std::vector<double>& values);
   void look_at_motors();
@@ -106,6 +116,7 @@ class Execution {
   mutable std::mutex mutex_;  // guards what follows; held briefly
   std::condition_variable changed_;
   std::optional<Run> run_;
+  std::optional<FollowedPath> followed_;
   MotorWatch motors_;
   bool drives_report_ = false;
   MeasuredRest measured_rest_;

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "../control/motion/straight_plan.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -156,6 +158,86 @@ TEST_F(Executed, RefusesASecondPolicyWhileOneRuns) {
   execution_.cancel();
   EXPECT_FALSE(report_.get().success);
   EXPECT_FALSE(execution_.running());
+}
+
+// A path of 10 s, which begins where both commands are 1; the marker is where the first one takes it.
+class Followed : public Executed {
+ protected:
+  void follow(bool feedback) {
+    FollowOptions options;
+    options.feedback = feedback;
+    follower_.emplace(straight(), options);
+    ExecutionOrder order{{{"left", "right"}, {{0.1, {1.0, 1.0}}}}, {1.0, 1.0}};
+    order.follower = &*follower_;
+    order.on_path = [this](double path_s, std::optional<double>) { path_s_ = path_s; };
+    start(order);
+  }
+
+  // Until the execution ended, or the path is there; the marker is `off_m` beside where commands take it.
+  void run(double until_path_s, double off_m, bool tracked) {
+    while (path_s_ < until_path_s && report_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+      const double x_m = sent_.empty() ? 0.0 : 0.1 * (sent_.back() - 1.0) + off_m;
+      if (tracked) execution_.add_measured({now_s_, {{"toe", {9, 9, 9}}, {"tip", {x_m, 0, 0}}}});
+      execution_.add_simulated(now_s_ += 0.01, {{x_m, 0, 0}});
+      std::this_thread::yield();
+    }
+  }
+
+  std::optional<PathFollower> follower_;
+  double now_s_ = 50.0, path_s_ = -1.0;
+};
+
+TEST_F(Followed, APathBeginsWhereThePolicyRests) {
+  follow(false);
+  run(100.0, 0.001, true);
+  const ExecutionReport report = report_.get();
+  EXPECT_TRUE(report.success) << report.message;
+  EXPECT_NEAR(path_s_, 10.0, 1e-9);
+  EXPECT_NEAR(sent_.back(), 1.2, 1e-9);
+  EXPECT_NEAR(*report.measured_path_rms_m, 0.001, 1e-4);
+  EXPECT_NEAR(*report.simulated_path_rms_m, 0.001, 1e-4);
+  EXPECT_NEAR(report.measured_path.time_s.back(), 10.0, 0.05);
+  EXPECT_EQ(report.measured_path.time_s.size(), report.measured_path.position_m.size());
+}
+
+TEST_F(Followed, TrackedMarkersCorrectIt) {
+  follow(true);
+  run(100.0, 0.001, true);
+  const ExecutionReport report = report_.get();
+  EXPECT_TRUE(report.success) << report.message;
+  EXPECT_LT(*report.measured_path_rms_m, 5e-4);
+  EXPECT_NEAR(sent_.back(), 1.19, 1e-3);
+}
+
+TEST_F(Followed, AMarkerThatIsLostEndsIt) {
+  follow(true);
+  run(3.0, 0.0, true);
+  run(100.0, 0.0, false);
+  const ExecutionReport report = report_.get();
+  EXPECT_FALSE(report.success);
+  EXPECT_NE(report.message.find("marker 'tip' was not seen for 2"), std::string::npos) << report.message;
+  EXPECT_NE(report.message.find("the commands are held"), std::string::npos) << report.message;
+  EXPECT_NEAR(sent_.back(), 1.0 + 0.02 * 3.3, 0.004);  // it waits after 0.3 s
+}
+
+TEST_F(Followed, AMotorThatMayNotMoveEndsIt) {
+  follow(false);
+  run(3.0, 0.0, false);
+  execution_.add_motors({true, false, false, {"left", "right"}, {"", "stalled"}});
+  const size_t sent = sent_.size();
+  run(100.0, 0.0, false);
+  const ExecutionReport report = report_.get();
+  EXPECT_NE(report.message.find("motor right: stalled; the commands are held"), std::string::npos) << report.message;
+  EXPECT_EQ(sent_.size(), sent);
+}
+
+TEST_F(Followed, IsCancelled) {
+  follow(false);
+  run(3.0, 0.0, false);
+  EXPECT_TRUE(execution_.cancel());
+  run(100.0, 0.0, false);
+  EXPECT_EQ(report_.get().message, "cancelled");
+  EXPECT_LT(path_s_, 3.1);
 }
 
 TEST(MotorWatch, NamesWhatKeepsMotorsStill) {

@@ -84,6 +84,7 @@ class Actuator {
 
   const std::string& name() const { return name_; }
   const CommandLimits& limits() const { return limits_; }
+  double command_speed() const { return command_speed_; }  // largest change of the command per second; 0: no limit
 
   // The rest command and the memory of the start.
   DriveState rest_state() const;
@@ -145,7 +146,7 @@ class Actuator {
   virtual Eigen::VectorXd initial_memory() const { return {}; }
 
   CommandLimits limits_;
-  double command_speed_ = 0.0;  // largest change of the command per second; 0: no limit
+  double command_speed_ = 0.0;  // as command_speed()
   double start_delay_s_ = 0.0;  // before a drive at rest starts to move
 
  private:

@@ -50,15 +50,19 @@ PathFollower::Sent PathFollower::sent_at(double time_s) const {
   return after == sent_.begin() ? sent_.front() : *(after - 1);
 }
 
+// Since the last command the path has gone on, unless it waits for the marker.
+double PathFollower::path_at(double time_s) const {
+  if (sent_.empty()) return 0.0;
+  const Sent then = sent_at(time_s);
+  const double gone_s = std::max(0.0, time_s - then.time_s);
+  const bool newest = then.time_s == sent_.back().time_s;
+  return then.path_s + (newest ? (last_.holding ? 0.0 : gone_s) : std::min(gone_s, path_s_ - then.path_s));
+}
+
 void PathFollower::take_up(const StampedMarker& seen) {
   if (sent_.empty() || !seen.position_m.allFinite() || !std::isfinite(seen.stamp_s)) return;
   const Sent through = sent_at(seen.stamp_s - options_.drive_lag_s);
-  const Sent then = sent_at(seen.stamp_s);
-  // Since then the path has gone on, unless it waits for the marker.
-  const double gone_s = seen.stamp_s - then.time_s;
-  const bool newest = then.time_s == sent_.back().time_s;
-  const double path_s =
-      then.path_s + (newest ? (last_.holding ? 0.0 : gone_s) : std::min(gone_s, path_s_ - then.path_s));
+  const double path_s = path_at(seen.stamp_s);
   const Eigen::Vector3d expected_m = plan_.predicted_at(path_s) + plan_.jacobian_at(path_s) * through.correction;
   disturbance_m_ += options_.gain * (seen.position_m - expected_m - disturbance_m_);
   missed_m_ = (seen.position_m - plan_.target_at(path_s)).norm();

@@ -50,6 +50,9 @@ class PathFollower {
   // the drives, empty for nothing. After an end it gives the same end again.
   FollowStep next(double time_s, const std::optional<StampedMarker>& seen, const std::string& fault);
 
+  const PathPlan& plan() const { return plan_; }
+  // Where on the path it was at that time, by the clock of next().
+  double path_at(double time_s) const;
   const Eigen::Vector3d& disturbance_m() const { return disturbance_m_; }
 
  private:

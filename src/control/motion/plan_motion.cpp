@@ -72,7 +72,9 @@ std::vector<PathDrive> drives_of(const Simulation& model, const PathTask& task, 
   std::vector<PathDrive> drives;
   for (const auto& actuator : model.actuators()) {
     const CommandLimits& own = actuator->limits();
-    PathDrive drive{actuator->name(), own.min, own.max, std::numeric_limits<double>::infinity(), 0.0};
+    const double own_rate_per_s = actuator->command_speed();
+    PathDrive drive{actuator->name(), own.min, own.max,
+                    own_rate_per_s > 0.0 ? own_rate_per_s : std::numeric_limits<double>::infinity(), 0.0};
     for (const PathDrive& one : asked) {
       if (one.actuator != drive.actuator) continue;
       if (!(one.play >= 0.0) || !(one.max_rate_per_s > 0.0))

@@ -8,13 +8,15 @@ import threading
 import time
 import xmlrpc.client
 
+import actionlib
 import numpy
 import rosgraph
 import rospy
 from geometry_msgs.msg import Point
 from std_srvs.srv import Trigger
 
-from soft_robot_lab.msg import ActuatorCommand, ActuatorRanges, ActuatorState, MarkerObservations, Policy, PolicyStep
+from soft_robot_lab.msg import (ActuatorCommand, ActuatorRanges, ActuatorState, FollowPathAction, FollowPathGoal, MarkerObservations, Policy,
+                                PolicyStep)
 from soft_robot_lab.srv import ExecutePolicy, ExecutePolicyRequest, LoadScene, OptimisePolicy, OptimisePolicyRequest, UseSolver
 
 
@@ -144,6 +146,22 @@ class Session:
         self.optimise(marker, target_m, method)
         self.play(closed_loop=closed_loop)
         return float(numpy.linalg.norm(self.markers()[marker] - numpy.asarray(target_m, float)))
+
+    def follow(self, path, wait_s=600.0, **fields):
+        """Plans commands with which a marker follows a curve, and plays them; the result of FollowPath. `path`: its file."""
+        client = actionlib.ActionClient(self._prefix + 'controller/follow_path', FollowPathAction)
+        if not client.wait_for_server(rospy.Duration(60.0)):
+            raise SessionError('controller/follow_path does not answer')
+        goal = client.send_goal(FollowPathGoal(path=os.path.abspath(path), **fields))
+        try:
+            _poll(lambda: goal.get_comm_state() == actionlib.CommState.DONE, wait_s, 'the path does not end within %g s' % wait_s)
+        except SessionError:
+            goal.cancel()
+            raise
+        result = goal.get_result()
+        if not result.success:
+            raise SessionError('controller/follow_path: ' + result.message)
+        return result
 
     def record(self, duration_s, source='simulator'):
         """What happens in so many seconds of the session, as NumPy arrays."""

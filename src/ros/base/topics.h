@@ -64,6 +64,7 @@ constexpr char execute_policy[] = "controller/execute_policy";
 constexpr char fit_model[] = "controller/fit_model";
 constexpr char calibrate[] = "tracker/calibrate";
 constexpr char check_design[] = "design/check";
+constexpr char follow_path[] = "controller/follow_path";  // an action
 constexpr char reach[] = "controller/reach";  // an action; of the others above the action has the service's name
 constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
 

@@ -72,17 +72,21 @@ ControllerActions::ControllerActions(ros::NodeHandle& node, ControllerHandlers h
           node, topics::execute_policy, [this](const auto& goal) { execute(goal); }, false),
       fit_(
           node, topics::fit_model, [this](const auto& goal) { fit(goal); }, false),
+      follow_(
+          node, topics::follow_path, [this](const auto& goal) { follow(goal); }, false),
       reach_(
           node, topics::reach, [this](const auto& goal) { reach(goal); }, false) {
   optimise_.registerPreemptCallback([this] { handlers_.cancel(); });
   execute_.registerPreemptCallback([this] { handlers_.cancel(); });
   reach_.registerPreemptCallback([this] { handlers_.cancel(); });
+  follow_.registerPreemptCallback([this] { handlers_.cancel(); });
   fit_.registerPreemptCallback([this] { handlers_.cancel_fit(); });
   progress_ = node.subscribe(topics::controller_progress, 100, &ControllerActions::on_progress, this);
   commands_ = node.subscribe(topics::actuator_command, 100, &ControllerActions::on_command, this);
   optimise_.start();
   execute_.start();
   fit_.start();
+  follow_.start();
   reach_.start();
 }
 
@@ -102,6 +106,10 @@ void ControllerActions::execute(const ExecutePolicyGoalConstPtr& goal) {
 
 void ControllerActions::fit(const FitModelGoalConstPtr& goal) {
   answer<FitModel, FitModelResult>(fit_, *goal, handlers_.fit, mutex_, fits_);
+}
+
+void ControllerActions::follow(const FollowPathGoalConstPtr& goal) {
+  finish(follow_, handlers_.follow(*goal, [this](const auto& feedback) { follow_.publishFeedback(feedback); }));
 }
 
 void ControllerActions::reach(const ReachGoalConstPtr& goal) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the controller's services do, as actions (actionlib): with feedback, and to be preempted. And `reach`, which
-// searches and moves.
+// What the controller's services do, as actions (actionlib): with feedback, and to be preempted. And `reach` and
+// `follow_path`, which search and move.
 #pragma once
 
 #include <functional>
@@ -16,6 +16,7 @@
 #include <soft_robot_lab/ExecutePolicyAction.h>
 #include <soft_robot_lab/FitModel.h>
 #include <soft_robot_lab/FitModelAction.h>
+#include <soft_robot_lab/FollowPathAction.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 #include <soft_robot_lab/OptimisePolicyAction.h>
 #include <soft_robot_lab/ReachAction.h>
@@ -27,6 +28,7 @@ struct ControllerHandlers {
   std::function<void(const OptimisePolicy::Request&, OptimisePolicy::Response&)> optimise;
   std::function<void(const ExecutePolicy::Request&, ExecutePolicy::Response&)> execute;
   std::function<void(const FitModel::Request&, FitModel::Response&)> fit;
+  std::function<FollowPathResult(const FollowPathGoal&, const std::function<void(const FollowPathFeedback&)>&)> follow;
   std::function<Eigen::Vector3d(const geometry_msgs::PoseStamped& pose)> in_robot_base;  // throws where it has no place
   std::function<void()> cancel;  // what is searched for or executed
   std::function<void()> cancel_fit;
@@ -46,6 +48,7 @@ class ControllerActions {
   void optimise(const OptimisePolicyGoalConstPtr& goal);
   void execute(const ExecutePolicyGoalConstPtr& goal);
   void fit(const FitModelGoalConstPtr& goal);
+  void follow(const FollowPathGoalConstPtr& goal);
   void reach(const ReachGoalConstPtr& goal);
   ReachResult search_and_move(const ReachGoal& goal);
   OptimisePolicy::Response search(const ReachGoal& goal, const Eigen::Vector3d& target_m);
@@ -57,6 +60,7 @@ class ControllerActions {
   Server<OptimisePolicyAction> optimise_;
   Server<ExecutePolicyAction> execute_;
   Server<FitModelAction> fit_;
+  Server<FollowPathAction> follow_;
   Server<ReachAction> reach_;
   std::mutex mutex_;  // guards what follows
   bool optimises_ = false, executes_ = false, fits_ = false, reaches_ = false;

@@ -24,6 +24,7 @@ class PolicyExecution {
 
   // Throws as Execution::execute does.
   ExecutePolicy::Response execute(const ExecutionOrder& order);
+  ExecutionReport follow(const ExecutionOrder& order) { return execution_.execute(order); }
 
   bool running() const { return execution_.running(); }
   // False where nothing is executed or prepared.

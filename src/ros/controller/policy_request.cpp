@@ -28,16 +28,6 @@ Pose pose_of(const PolicyPose& asked, double ramp_s) {
   return pose;
 }
 
-ActuatorBounds bounds_of(const ActuatorLimits& asked) {
-  ActuatorBounds bounds;
-  bounds.actuator = asked.name;
-  bounds.min = asked.min;
-  bounds.max = asked.max;
-  if (asked.max_tension_n != 0.0) bounds.max_tension_n = asked.max_tension_n;
-  if (asked.max_rate_per_s != 0.0) bounds.max_rate_per_s = asked.max_rate_per_s;
-  return bounds;
-}
-
 std::string mm_text(const Eigen::Vector3d& at_m) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(2) << "[" << 1e3 * at_m.x() << ", " << 1e3 * at_m.y() << ", "
@@ -57,6 +47,16 @@ std::string outcome(const OptimisationSummary& summary, const Pose& pose) {
 }
 
 }  // namespace
+
+ActuatorBounds bounds_of(const ActuatorLimits& asked) {
+  ActuatorBounds bounds;
+  bounds.actuator = asked.name;
+  bounds.min = asked.min;
+  bounds.max = asked.max;
+  if (asked.max_tension_n != 0.0) bounds.max_tension_n = asked.max_tension_n;
+  if (asked.max_rate_per_s != 0.0) bounds.max_rate_per_s = asked.max_rate_per_s;
+  return bounds;
+}
 
 PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s) {
   PolicyTask task;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include <soft_robot_lab/ActuatorLimits.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 
@@ -20,6 +21,8 @@ PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s);
 // What a closed loop brings markers to: the request's goal, or else the last pose of the last task that a policy was
 // found for. Throws std::invalid_argument as policy_task does, and where there is neither.
 PolicyTask correction_task(const ExecutePolicy::Request& request, const std::optional<PolicyTask>& found);
+
+ActuatorBounds bounds_of(const ActuatorLimits& limits);
 
 // Where a request leaves the distance open.
 void count_as_reached(const OptimisePolicy::Request& request, PolicyAnswer& answer);

@@ -25,6 +25,7 @@
 #include "ros/controller/controller_publisher.h"
 #include "ros/controller/fit_service.h"
 #include "ros/controller/interruptible.h"
+#include "ros/controller/path_following.h"
 #include "ros/controller/policy_execution.h"
 #include "ros/controller/policy_request.h"
 #include "ros/controller/policy_search.h"
@@ -142,6 +143,8 @@ class ControllerNode {
   void optimise_policy(const OptimisePolicy::Request& request, OptimisePolicy::Response& response);
   void execute_policy(const ExecutePolicy::Request& request, ExecutePolicy::Response& response);
   ControllerHandlers handlers();
+  PathFollowing::Robot robot() const;
+  double command_of(const std::string& actuator) const;  // with the lock
   void execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response);
   ExecutionOrder order_of(const ExecutePolicy::Request& request) const;
   ExecutePolicy::Request with_policy(ExecutePolicy::Request request) const;
@@ -209,6 +212,11 @@ ControllerHandlers ControllerNode::handlers() {
   all.optimise = [this](const auto& request, auto& response) { optimise_policy(request, response); };
   all.execute = [this](const auto& request, auto& response) { execute_policy(request, response); };
   all.fit = [this](const auto& request, auto& response) { fit_service_->answer(request, response); };
+  all.follow = [this](const auto& goal, const auto& feedback) {
+    return PathFollowing(
+               model_, execution_, live_, [this] { return robot(); }, options_.ramp_s)
+        .follow(goal, feedback);
+  };
   all.in_robot_base = [this](const auto& pose) { return target_.in_robot_base(pose); };
   all.cancel = [this] {
     execution_.cancel();
@@ -509,13 +517,22 @@ ExecutionOrder ControllerNode::order_of(const ExecutePolicy::Request& request) c
   order.policy = from_message(request.policy);
   require_robot(order.policy, known_.name);
   validate(order.policy, known_.limits);
-  for (const std::string& name : order.policy.names) {
-    const auto seen = known_.commands.find(name);
-    order.start_values.push_back(seen != known_.commands.end() ? seen->second : known_.limits.at(name).rest);
-  }
+  for (const std::string& name : order.policy.names) order.start_values.push_back(command_of(name));
   order.wait_until_rest = request.wait_until_rest || request.closed_loop;
   order.time_limit_s = execution_time_limit_s(request);
   return order;
+}
+
+double ControllerNode::command_of(const std::string& actuator) const {
+  const auto seen = known_.commands.find(actuator);
+  return seen != known_.commands.end() ? seen->second : known_.limits.at(actuator).rest;
+}
+
+PathFollowing::Robot ControllerNode::robot() const {
+  const std::lock_guard lock(mutex_);
+  PathFollowing::Robot robot{known_.name, {}};
+  for (const auto& [name, limits] : known_.limits) robot.commands[name] = command_of(name);
+  return robot;
 }
 
 // The model goes where the policy takes the robot.

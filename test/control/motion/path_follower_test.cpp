@@ -6,32 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "straight_plan.h"
+
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kPeriod_s = 1.0 / 28.0;
-
-// A marker that goes 20 mm along x in 10 s, by two commands that move it along x and z.
-PathPlan straight(double min = 0.5, double max = 1.5) {
-  PathPlan plan;
-  plan.marker = "tip";
-  plan.curve = Curve({{0, 0, 0}, {0.02, 0, 0}});
-  plan.drives = {{"left", min, max, 1.0, 0.0}, {"right", min, max, 1.0, 0.0}};
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, 2);
-  jacobian(0, 0) = 0.1;
-  jacobian(2, 1) = 0.05;
-  for (int k = 0; k <= 10; ++k) {
-    PathSample sample;
-    sample.time_s = k;
-    sample.way_m = 0.002 * k;
-    sample.commands = Eigen::Vector2d(1.0 + 0.02 * k, 1.0);
-    sample.target_m = sample.aim_m = sample.predicted_m = {0.002 * k, 0, 0};
-    sample.jacobian = jacobian;
-    plan.samples.push_back(sample);
-  }
-  plan.complete = true;
-  return plan;
-}
 
 // The robot does what its model says `lag_s` later, less `off_m`; its markers come `delay_s` after their frame.
 class Robot {

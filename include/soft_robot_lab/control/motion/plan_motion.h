@@ -81,9 +81,9 @@ struct PathPlan {
   double predicted_rms_m() const;     // of predicted_m from aim_m
 };
 
-// From the model's present rest state, which it leaves at the last sample's. The drives' limits and rates are the
-// task's, else the actuators' own, without rates. `fastest_s` and times are by retime(). Throws std::invalid_argument
-// naming field, value and allowed range.
+// From the model's present rest state, which it leaves at the last sample's. The drives' limits and rates are `drives`'
+// and the task's, else the actuators' own. `fastest_s` and times are by retime(). Throws std::invalid_argument naming
+// field, value and allowed range, and ForwardModelInterrupted where the model's interrupt asks for an end.
 PathPlan plan_motion(Simulation& model, const PathTask& task, std::vector<PathDrive> drives = {});
 
 // Times: the curve at even speed in `duration_s`, slower where a drive would be too slow, play included; 0: as fast as

@@ -50,7 +50,7 @@ ALLOWED = {  # a row names only rows above it, so no circle can be written
     "control/motion": f"control {MODEL} settings",
     "control/identification": f"control robot/scene {MODEL} settings",
     "control/estimation": f"control control/identification {MODEL} settings",
-    "session": f"control control/identification control/estimation {MODEL} settings",
+    "session": f"control control/motion control/identification control/estimation {MODEL} settings",
     "session/report": f"geometry perception/render robot/design {MODEL} settings",
     "study": f"session/report robot/scene {MODEL} settings",
     "study/sweeps": "session/report robot/scene robot/design settings",

@@ -27,6 +27,7 @@ constexpr char target_shown[] =
 constexpr char controller_goal[] = "controller/goal";    // geometry_msgs/PoseStamped: where a marker shall go
 constexpr char controller_ghost[] = "controller/ghost";  // latched: where the policy that was found last leads
 constexpr char controller_preview[] = "controller/preview";   // latched: where the present commands lead
+constexpr char controller_path[] = "controller/path";         // latched: the path that was planned last
 constexpr char target_marker[] = "controller/target_marker";  // an interactive marker
 constexpr char design_casting[] = "design/casting";           // latched: skin coloured by what casting says of it
 constexpr char panel_tips[] = "panel/reachable_tips";         // where the marker rests over all commands

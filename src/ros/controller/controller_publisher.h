@@ -27,11 +27,13 @@ class ControllerPublisher {
   void remove_ghost();
   void show_preview(const visualization_msgs::Marker& skin);
   void remove_preview();
+  void show_path(const visualization_msgs::Marker& path) { path_.publish(path); }
   bool preview_is_watched() const { return preview_.has_subscribers(); }
 
  private:
   ros::Publisher commands_, answers_;
-  PresentPublisher<visualization_msgs::Marker> ghost_{topics::controller_ghost}, preview_{topics::controller_preview};
+  PresentPublisher<visualization_msgs::Marker> ghost_{topics::controller_ghost}, preview_{topics::controller_preview},
+      path_{topics::controller_path};
 };
 
 }  // namespace soft_robot_lab

@@ -104,8 +104,10 @@ PathFollowing::Planned PathFollowing::plan(const FollowPathGoal& goal, FollowPat
   PathPlan& path = planned.path;
   if (!path.complete) throw std::runtime_error(path.message);
   result.out_of_reach_m = path.largest_unreachable_m();
+  shown_(path, task.tolerance_m);
   if (!goal.nearest) require_in_reach(path, task.tolerance_m);
   finish_in_time(simulation, path, kModelRounds, {});
+  shown_(path, task.tolerance_m);
   planned.marker = static_cast<std::size_t>(simulation.marker_index(path.marker));
   result.duration_s = path.duration_s();
   result.fastest_s = path.fastest_s;

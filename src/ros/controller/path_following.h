@@ -18,6 +18,7 @@ namespace soft_robot_lab {
 
 class PathFollowing {
  public:
+  using Shown = std::function<void(const PathPlan& plan, double tolerance_m)>;
   using Feedback = std::function<void(const FollowPathFeedback&)>;
 
   // As the session has it now.
@@ -26,10 +27,15 @@ class PathFollowing {
     std::map<std::string, double> commands;  // where its actuators stand
   };
 
-  // Keeps references. `ramp_s`: how long the way to the path's start takes.
+  // Keeps references. `shown`: is handed what is planned. `ramp_s`: how long the way to the path's start takes.
   PathFollowing(ControllerModel& model, PolicyExecution& execution, LiveAnswers& live, std::function<Robot()> robot,
-                double ramp_s)
-      : model_(model), execution_(execution), live_(live), robot_(std::move(robot)), ramp_s_(ramp_s) {}
+                Shown shown, double ramp_s)
+      : model_(model),
+        execution_(execution),
+        live_(live),
+        robot_(std::move(robot)),
+        shown_(std::move(shown)),
+        ramp_s_(ramp_s) {}
 
   // Refusals are in the answer.
   FollowPathResult follow(const FollowPathGoal& goal, const Feedback& feedback);
@@ -50,6 +56,7 @@ class PathFollowing {
   PolicyExecution& execution_;
   LiveAnswers& live_;
   std::function<Robot()> robot_;
+  Shown shown_;
   double ramp_s_;
 };
 

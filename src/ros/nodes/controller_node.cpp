@@ -29,6 +29,7 @@
 #include "ros/controller/policy_execution.h"
 #include "ros/controller/policy_request.h"
 #include "ros/controller/policy_search.h"
+#include "ros/display/path_marker.h"
 #include "ros/display/target_marker.h"
 #include "ros/messages/conversions.h"
 #include "ros/messages/message_limits.h"
@@ -213,9 +214,12 @@ ControllerHandlers ControllerNode::handlers() {
   all.execute = [this](const auto& request, auto& response) { execute_policy(request, response); };
   all.fit = [this](const auto& request, auto& response) { fit_service_->answer(request, response); };
   all.follow = [this](const auto& goal, const auto& feedback) {
-    return PathFollowing(
-               model_, execution_, live_, [this] { return robot(); }, options_.ramp_s)
-        .follow(goal, feedback);
+    const auto show = [this](const PathPlan& plan, double tolerance_m) {
+      publisher_.show_path(path_marker(plan, tolerance_m));
+    };
+    PathFollowing paths(
+        model_, execution_, live_, [this] { return robot(); }, show, options_.ramp_s);
+    return paths.follow(goal, feedback);
   };
   all.in_robot_base = [this](const auto& pose) { return target_.in_robot_base(pose); };
   all.cancel = [this] {
@@ -246,6 +250,7 @@ void ControllerNode::load(const std::string& path) {
   }
   publisher_.remove_ghost();
   publisher_.remove_preview();
+  publisher_.show_path(no_path());
   search_.forget_target();
   show_tip_as_target();
 }

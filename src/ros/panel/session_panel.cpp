@@ -69,8 +69,9 @@ SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
 void SessionPanel::onInitialize() {
   if (!panel_.link) connect_to(session_);
   left_out_ = std::make_unique<LeftOutOfPicks>(
-      *vis_manager_, std::vector<std::string>{topics::controller_ghost, topics::controller_preview, topics::overlay,
-                                              topics::panel_tips, topics::design_casting});
+      *vis_manager_,
+      std::vector<std::string>{topics::controller_ghost, topics::controller_preview, topics::controller_path,
+                               topics::overlay, topics::panel_tips, topics::design_casting});
   window()->installEventFilter(this);
   timer_.start(refresh_period_ms);
 }

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Actions and the Python module: it moves a simulated bar, lets it reach a point, and records it."""
+import os
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -14,7 +16,7 @@ from actionlib import CommState
 from actionlib_msgs.msg import GoalStatus
 
 from soft_robot_lab import Session, SessionError
-from soft_robot_lab.msg import OptimisePolicyAction, OptimisePolicyGoal, ReachAction, ReachGoal
+from soft_robot_lab.msg import FollowPathAction, FollowPathGoal, OptimisePolicyAction, OptimisePolicyGoal, ReachAction, ReachGoal
 
 
 class Client(unittest.TestCase):
@@ -78,6 +80,55 @@ class Client(unittest.TestCase):
         self.assertIn('elbow', self.refusal(client, goal))
         goal.marker, goal.target.header.frame_id = 'tip', 'nowhere'
         self.assertEqual("header.frame_id: no transform leads from 'nowhere' to 'robot_base'", self.refusal(client, goal))
+
+    def path(self, top_m=0.0026, marker='tip', duration_s=2.0):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        file = os.path.join(folder.name, 'path.yaml')
+        with open(file, 'w', encoding='utf-8') as out:
+            out.write('{marker: %s, plane: {center_m: [0, 0, -0.1], across: [1, 0, 0], up: [0, 0, 1]}, curve: {polyline_m: '
+                      '[[0.0063, 0.0011], [0.0125, %g]]}, tolerance_m: 0.0005, duration_s: %g, samples: 8}' % (marker, top_m, duration_s))
+        return file
+
+    def test_follows_a_path(self):
+        planned = self.session.follow(self.path(), plan_only=True)
+        self.assertLess(planned.out_of_reach_m, 5e-4)
+        self.assertAlmostEqual(planned.duration_s, 2.0, delta=0.5)
+        self.assertEqual(len(planned.policy.steps), 8)
+        self.assertEqual(self.session.commands, {'left': 1.0, 'right': 1.0})
+        followed = self.session.follow(self.path())
+        self.assertLess(followed.simulated_rms_m[0], 1e-3)
+        self.assertEqual(list(followed.measured_rms_m), [-1.0])
+        end = dict(zip(planned.policy.names, planned.policy.steps[-1].values))
+        for name, value in end.items():
+            self.assertAlmostEqual(self.session.commands[name], value, delta=1e-6)
+
+    def test_says_why_a_path_is_not_followed(self):
+        client = actionlib.SimpleActionClient('/controller/follow_path', FollowPathAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(60.0)))
+        for goal, words in ((FollowPathGoal(path='path.yaml'), "path: 'path.yaml' is no whole path"),
+                            (FollowPathGoal(path='/nowhere/path.yaml'), '/nowhere/path.yaml'),
+                            (FollowPathGoal(path=self.path(), rounds=3), 'rounds: learning needs feedback'),
+                            (FollowPathGoal(path=self.path(), rounds=-1, feedback=True), 'rounds: -1 is not in'),
+                            (FollowPathGoal(path=self.path(), duration_s=float('nan')), 'duration_s: nan'),
+                            (FollowPathGoal(path=self.path(marker='elbow')), 'elbow'),
+                            (FollowPathGoal(path=self.path(top_m=0.02)), 'curve: out of reach by'),
+                            (FollowPathGoal(path=self.path(), feedback=True), "marker 'tip' was not seen for 2")):
+            self.assertIn(words, self.refusal(client, goal))
+
+    def test_ends_a_path_that_is_preempted(self):
+        client = actionlib.SimpleActionClient('/controller/follow_path', FollowPathAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(60.0)))
+        along = threading.Event()
+        client.send_goal(FollowPathGoal(path=self.path(duration_s=60.0)),
+                         feedback_cb=lambda heard: along.set() if heard.stage == 'follows' and heard.path_s > 1.0 else None)
+        self.assertTrue(along.wait(60.0))
+        client.cancel_goal()
+        self.assertTrue(client.wait_for_result(rospy.Duration(60.0)))
+        self.assertEqual(client.get_state(), GoalStatus.PREEMPTED)
+        held = self.session.commands
+        self.session.record(0.5)
+        self.assertEqual(self.session.commands, held)
 
     # SimpleActionClient drops an answer that comes before its send_goal returns, and then waits for ever.
     def refusal(self, client, goal):

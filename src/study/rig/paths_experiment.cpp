@@ -208,8 +208,9 @@ class RobotRun {
   double return_error_m(bool without_play) {
     std::vector<std::string> names;
     for (const PathDrive& drive : drives_) names.push_back(drive.actuator);
-    lab_->go(names, rest_);
     PlayInverse inverse(drives_);
+    if (without_play) come_pulling(names);
+    lab_->go(names, rest_);
     inverse.go(Eigen::Map<const Eigen::VectorXd>(rest_.data(), static_cast<Eigen::Index>(rest_.size())));
     std::optional<MarkerPlaces> first_m;
     double most_m = 0.0;
@@ -230,6 +231,14 @@ class RobotRun {
   int failed_steps() const { return lab_->plant().failed_steps(); }
 
  private:
+  // So that the drives come to rest pulling, as play is inverted from there.
+  void come_pulling(const std::vector<std::string>& names) {
+    std::vector<double> beyond = rest_;
+    for (std::size_t i = 0; i < drives_.size(); ++i)
+      beyond[i] = std::min(drives_[i].max, rest_[i] + 2.0 * drives_[i].play);
+    lab_->go(names, beyond);
+  }
+
   PathRecord once(const PathOutcome& outcome, const PathPlan& plan, bool feedback, const std::string& way) {
     FollowOptions options = settings_.follow;
     options.feedback = feedback;

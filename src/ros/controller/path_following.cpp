@@ -51,6 +51,8 @@ void require_in_reach(const PathPlan& plan, double tolerance_m) {
 FollowOptions follow_options(bool feedback) {
   FollowOptions options;
   options.feedback = feedback;
+  options.gain = 0.1;          // as `experiment paths`: noise of markers is not followed
+  options.drive_lag_s = 0.05;  // likewise, of the emulated rig
   options.lead_s = options.drive_lag_s + 0.5 * kFollowPeriod_s;  // a command stands for a period
   return options;
 }

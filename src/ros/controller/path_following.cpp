@@ -84,7 +84,6 @@ FollowPathResult PathFollowing::follow(const FollowPathGoal& goal, const Feedbac
     Planned planned = behind_others([&] { return plan(goal, result); });
     result.policy = to_message(policy_of(planned.path));
     result.policy.robot = planned.robot;
-    if (execution_.cancelled()) throw ForwardModelInterrupted();
     if (!goal.plan_only) play(goal, planned, feedback, result);
     result.success = true;
   } catch (const std::exception& error) {
@@ -120,6 +119,7 @@ PathFollowing::Planned PathFollowing::plan(const FollowPathGoal& goal, FollowPat
 void PathFollowing::play(const FollowPathGoal& goal, Planned& planned, const Feedback& feedback,
                          FollowPathResult& result) {
   for (int round = 0; round <= goal.rounds; ++round) {
+    if (execution_.cancelled()) throw ForwardModelInterrupted();
     feedback(stage("approaches", round));
     const auto on_path = [&](double path_s, std::optional<double> distance_m) {
       FollowPathFeedback now = stage("follows", round);

@@ -126,6 +126,7 @@ class Client(unittest.TestCase):
         client.cancel_goal()
         self.assertTrue(client.wait_for_result(rospy.Duration(60.0)))
         self.assertEqual(client.get_state(), GoalStatus.PREEMPTED)
+        self.session.record(0.3)  # until the last command is heard
         held = self.session.commands
         self.session.record(0.5)
         self.assertEqual(self.session.commands, held)

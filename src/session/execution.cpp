@@ -129,6 +129,11 @@ bool Execution::running() const {
   return run_.has_value();
 }
 
+bool Execution::has_motors() const {
+  const std::lock_guard lock(mutex_);
+  return motors_.known();
+}
+
 bool Execution::cancel() {
   const std::lock_guard lock(mutex_);
   if (run_) run_->cancelled = true;

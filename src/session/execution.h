@@ -64,7 +64,8 @@ class Execution {
   ExecutionReport execute(const ExecutionOrder& order);
 
   bool running() const;
-  bool cancel();  // false where nothing is executed; an execution ends where it is
+  bool has_motors() const;  // heard of so far; else the robot is simulated
+  bool cancel();            // false where nothing is executed; an execution ends where it is
 
   void add_simulated(double stamp_s, const std::vector<Eigen::Vector3d>& positions_m);
   void add_measured(const MarkerFrame& frame);

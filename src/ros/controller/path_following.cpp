@@ -48,11 +48,11 @@ void require_in_reach(const PathPlan& plan, double tolerance_m) {
   throw std::invalid_argument(text.str());
 }
 
-FollowOptions follow_options(bool feedback) {
+FollowOptions follow_options(bool feedback, bool has_motors) {
   FollowOptions options;
   options.feedback = feedback;
-  options.gain = 0.1;          // as `experiment paths`: noise of markers is not followed
-  options.drive_lag_s = 0.05;  // likewise, of the emulated rig
+  options.gain = 0.1;                                    // as `experiment paths`: noise of markers is not followed
+  options.drive_lag_s = has_motors ? 0.05 : 1.0 / 60.0;  // likewise, of the emulated rig; a simulator's step
   options.lead_s = options.drive_lag_s + 0.5 * kFollowPeriod_s;  // a command stands for a period
   return options;
 }
@@ -142,7 +142,7 @@ ExecutionReport PathFollowing::play_once(const Planned& planned, bool with_feedb
                                          const decltype(ExecutionOrder::on_path)& on_path) {
   const Robot robot = robot_();
   if (robot.name != planned.robot) throw std::runtime_error("another robot runs now than the path was planned for");
-  PathFollower follower(planned.path, follow_options(with_feedback));
+  PathFollower follower(planned.path, follow_options(with_feedback, execution_.has_motors()));
   ExecutionOrder order;
   for (const PathDrive& drive : planned.path.drives) {
     order.policy.names.push_back(drive.actuator);

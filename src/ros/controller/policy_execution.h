@@ -27,6 +27,7 @@ class PolicyExecution {
   ExecutionReport follow(const ExecutionOrder& order) { return execution_.execute(order); }
 
   bool running() const { return execution_.running(); }
+  bool has_motors() const { return execution_.has_motors(); }
   // False where nothing is executed or prepared.
   bool cancel();
 

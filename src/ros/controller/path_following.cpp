@@ -2,6 +2,7 @@
 #include "path_following.h"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -118,6 +119,7 @@ PathFollowing::Planned PathFollowing::plan(const FollowPathGoal& goal, FollowPat
 
 void PathFollowing::play(const FollowPathGoal& goal, Planned& planned, const Feedback& feedback,
                          FollowPathResult& result) {
+  double best_m = std::numeric_limits<double>::infinity();
   for (int round = 0; round <= goal.rounds; ++round) {
     if (execution_.cancelled()) throw ForwardModelInterrupted();
     feedback(stage("approaches", round));
@@ -131,9 +133,12 @@ void PathFollowing::play(const FollowPathGoal& goal, Planned& planned, const Fee
     result.measured_rms_m.push_back(report.measured_path_rms_m.value_or(-1.0));
     result.simulated_rms_m.push_back(report.simulated_path_rms_m.value_or(-1.0));
     if (!report.success) throw std::runtime_error(report.message);
-    if (round == goal.rounds) break;
+    if (goal.rounds == 0) return;
+    if (const double measured_m = result.measured_rms_m.back(); measured_m < best_m) {
+      best_m = measured_m;
+      result.policy.steps = to_message(policy_of(planned.path)).steps;
+    }
     learn(planned.path, report.measured_path, learn_options());
-    result.policy.steps = to_message(policy_of(planned.path)).steps;
   }
 }
 

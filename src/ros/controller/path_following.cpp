@@ -134,6 +134,8 @@ void PathFollowing::play(const FollowPathGoal& goal, Planned& planned, const Fee
     result.simulated_rms_m.push_back(report.simulated_path_rms_m.value_or(-1.0));
     if (!report.success) throw std::runtime_error(report.message);
     if (goal.rounds == 0) return;
+    if (report.measured_path.time_s.empty())
+      throw std::runtime_error("rounds: marker '" + planned.path.marker + "' was never seen, so nothing can be learnt");
     if (const double measured_m = result.measured_rms_m.back(); measured_m < best_m) {
       best_m = measured_m;
       result.policy.steps = to_message(policy_of(planned.path)).steps;

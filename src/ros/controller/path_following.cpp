@@ -22,6 +22,7 @@ namespace {
 
 constexpr int kModelRounds = 3;     // of corrections on the model's own motion in time
 constexpr double kSettling_s = 30;  // at the path's start
+constexpr double kRigLag_s = 0.05;  // from a command to the marker, of the emulated rig
 constexpr double kPatience = 2.0;   // durations, for what waits for a marker
 
 PathTask task_of(const FollowPathGoal& goal) {
@@ -49,11 +50,11 @@ void require_in_reach(const PathPlan& plan, double tolerance_m) {
   throw std::invalid_argument(text.str());
 }
 
-FollowOptions follow_options(bool feedback, bool has_motors) {
+FollowOptions follow_options(bool feedback, double lag_s) {
   FollowOptions options;
   options.feedback = feedback;
-  options.gain = 0.1;                                    // as `experiment paths`: noise of markers is not followed
-  options.drive_lag_s = has_motors ? 0.05 : 1.0 / 60.0;  // likewise, of the emulated rig; a simulator's step
+  options.gain = 0.1;  // as `experiment paths`: noise of markers is not followed
+  options.drive_lag_s = lag_s;
   options.lead_s = options.drive_lag_s + 0.5 * kFollowPeriod_s;  // a command stands for a period
   return options;
 }
@@ -102,7 +103,7 @@ PathFollowing::Planned PathFollowing::plan(const FollowPathGoal& goal, FollowPat
   const Interruptible interruptible(simulation, [this] { return execution_.cancelled() || !ros::ok(); });
   simulation.reset();
   simulation.solve_equilibrium();
-  Planned planned{plan_motion(simulation, task), robot_().name, 0};
+  Planned planned{plan_motion(simulation, task), robot_().name};
   PathPlan& path = planned.path;
   if (!path.complete) throw std::runtime_error(path.message);
   result.out_of_reach_m = path.largest_unreachable_m();
@@ -110,6 +111,7 @@ PathFollowing::Planned PathFollowing::plan(const FollowPathGoal& goal, FollowPat
   if (!goal.nearest) require_in_reach(path, task.tolerance_m);
   finish_in_time(simulation, path, kModelRounds, {});
   shown_(path, task.tolerance_m);
+  planned.step_s = simulation.options().time_step_s;
   planned.marker = static_cast<std::size_t>(simulation.marker_index(path.marker));
   result.duration_s = path.duration_s();
   result.fastest_s = path.fastest_s;
@@ -149,7 +151,8 @@ ExecutionReport PathFollowing::play_once(const Planned& planned, bool with_feedb
                                          const decltype(ExecutionOrder::on_path)& on_path) {
   const Robot robot = robot_();
   if (robot.name != planned.robot) throw std::runtime_error("another robot runs now than the path was planned for");
-  PathFollower follower(planned.path, follow_options(with_feedback, execution_.has_motors()));
+  const double lag_s = execution_.has_motors() ? kRigLag_s : planned.step_s;
+  PathFollower follower(planned.path, follow_options(with_feedback, lag_s));
   ExecutionOrder order;
   for (const PathDrive& drive : planned.path.drives) {
     order.policy.names.push_back(drive.actuator);

@@ -45,6 +45,7 @@ class PathFollowing {
     PathPlan path;
     std::string robot;
     std::size_t marker = 0;  // among the scene's
+    double step_s = 0.0;     // of the simulator
   };
 
   Planned plan(const FollowPathGoal& goal, FollowPathResult& result);

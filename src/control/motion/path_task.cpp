@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
 
 #include "control/refuse.h"
 #include "settings/limits.h"
+#include "svg_path.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
@@ -75,14 +79,38 @@ PlanePoints spline(const PlanePoints& through_m) {
   return points_m;
 }
 
+// The middle of its bounding box lies at the curve's zero; SVG's y goes down.
+PlanePoints svg_path(const YamlNode& node) {
+  const double size_m = node.number("size_m", length());
+  PlanePoints points;
+  try {
+    points = svg_points(node.text("d"));
+  } catch (const std::invalid_argument& error) {
+    node.child("d").fail(error.what());
+  }
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& point : points) box.extend(point);
+  const double size = points.empty() ? 0.0 : box.sizes().maxCoeff();
+  if (!(size > 0.0)) node.child("d").fail("draws nothing");
+  PlanePoints points_m;
+  for (const Eigen::Vector2d& point : points) {
+    const Eigen::Vector2d from_middle_m = size_m / size * (point - box.center());
+    const Eigen::Vector2d point_m(from_middle_m.x(), -from_middle_m.y());
+    if (points_m.empty() || (point_m - points_m.back()).norm() > kApart_m) points_m.push_back(point_m);
+  }
+  if (points_m.size() < 2) node.child("d").fail("draws nothing");
+  return points_m;
+}
+
 PlanePoints read_curve(const YamlNode& node) {
   const std::vector<std::string> keys = node.keys();
-  if (keys.size() != 1) node.fail("needs one of circle, figure_eight, polyline_m, spline_m");
+  if (keys.size() != 1) node.fail("needs one of circle, figure_eight, polyline_m, spline_m, svg_path");
   if (keys.front() == "circle") return circle(node.child("circle"));
   if (keys.front() == "figure_eight") return figure_eight(node.child("figure_eight"));
   if (keys.front() == "polyline_m") return plane_points(node, "polyline_m");
   if (keys.front() == "spline_m") return spline(plane_points(node, "spline_m"));
-  node.fail("'" + keys.front() + "' is not one of circle, figure_eight, polyline_m, spline_m");
+  if (keys.front() == "svg_path") return svg_path(node.child("svg_path"));
+  node.fail("'" + keys.front() + "' is not one of circle, figure_eight, polyline_m, spline_m, svg_path");
 }
 
 Eigen::Vector3d direction(const YamlNode& plane, const std::string& key) {

@@ -43,6 +43,19 @@ TEST(PathTask, AFigureEightIsAsWideAndHighAsAsked) {
   EXPECT_NEAR(most_z_m, 0.0075, 1e-5);
 }
 
+TEST(PathTask, AnSvgPathIsScaledAndUpright) {
+  const PathTask task_of_svg =
+      task(file("svg_path: {d: \"M 100 50 h 20 v 10 z\", size_m: 0.004}"));  // corner top right
+  const Curve& curve = task_of_svg.curve;
+  EXPECT_NEAR(curve.length_m(), 0.004 + 0.002 + std::hypot(0.004, 0.002), 1e-9);
+  EXPECT_TRUE(curve.at(0.0).isApprox(Eigen::Vector3d(0.008, 0, -0.089), 1e-9));
+  EXPECT_TRUE(curve.at(0.004).isApprox(Eigen::Vector3d(0.012, 0, -0.089), 1e-9));
+  EXPECT_TRUE(curve.at(0.006).isApprox(Eigen::Vector3d(0.012, 0, -0.091), 1e-9));
+  EXPECT_THROW(task(file("svg_path: {d: \"M 1 1 z\", size_m: 0.004}")), SettingsError);
+  EXPECT_THROW(task(file("svg_path: {d: \"M 1 1 A\", size_m: 0.004}")), SettingsError);
+  EXPECT_THROW(task(file("svg_path: {d: \"M 1 1 L 2 2\", size_m: 0}")), SettingsError);
+}
+
 TEST(PathTask, APolylineGoesStraightAndASplineThroughItsPoints) {
   const PathTask line = task(file("polyline_m: [[0, 0], [0.003, 0], [0.003, 0.004]]"));
   EXPECT_NEAR(line.curve.length_m(), 0.007, 1e-12);

@@ -33,7 +33,8 @@ struct TwinRobot {
 
 struct TwinSettings {
   int pushes = 0, pairs = 0, weights = 0;  // for each robot
-  double wait_s = 0.0;                     // before a look
+  int seed = 1;
+  double wait_s = 0.0;  // before a look
   AllowedRange force_n, mass_kg;
   std::vector<TwinRobot> robots;
 };
@@ -51,6 +52,7 @@ TwinSettings read_twin_settings(const ExperimentContext& context) {
   settings.pushes = node.integer("pushes", 0, 1000);
   settings.pairs = node.integer("pairs", 0, 1000);
   settings.weights = node.integer("weights", 0, 1000);
+  settings.seed = node.integer_or("seed", settings.seed, 0, 1000000);
   settings.wait_s = node.number("wait_s", AllowedRange::positive());
   settings.force_n = read_range(node.child("force_n"));
   settings.mass_kg = read_range(node.child("mass_kg"));
@@ -70,18 +72,26 @@ struct TrueLoad {
   std::string marker;  // of a weight
 };
 
+// What cameras saw of the resting robot, and where its markers were.
+struct Look {
+  std::vector<MeasuredMarker> seen;
+  MarkerPlaces true_m;
+};
+
 struct Trial {
   std::string robot;
   LoadKind kind = LoadKind::none;  // asked
   std::vector<double> commands;
   std::vector<TrueLoad> truth;
   std::vector<Eigen::Vector3d> places_m;  // of the true loads, where the loaded robot is
+  Look before, after;
   LoadEstimate untouched, touched;
   double skin_untouched_m = 0.0, skin_touched_m = 0.0;  // rms
 };
 
 class Random {
  public:
+  explicit Random(int seed) : engine_(static_cast<std::uint64_t>(seed)) {}
   double between(const AllowedRange& range) { return range.min + (range.max - range.min) * share_(engine_); }
   double log_between(const AllowedRange& range) {
     return range.min * std::exp(share_(engine_) * std::log(range.max / range.min));
@@ -94,7 +104,7 @@ class Random {
   }
 
  private:
-  std::mt19937_64 engine_{1};
+  std::mt19937_64 engine_;
   std::uniform_real_distribution<double> share_{0.0, 1.0};
 };
 
@@ -104,7 +114,7 @@ class TwinBench {
   // Keeps references to robot and settings.
   TwinBench(const TwinRobot& twin, const TwinSettings& settings, const ExperimentContext& context, double from,
             double to)
-      : twin_(twin), settings_(settings), recorder_(twin.files, twin.recording, context) {
+      : twin_(twin), settings_(settings), recorder_(twin.files, twin.recording, context), random_(settings.seed) {
     const std::vector<MeasuredPose> poses = recorder_.record(twin.configurations, context, from, to);
     context.report(to, twin.name + ": fit");
     FitRequest request = twin.request;
@@ -129,22 +139,22 @@ class TwinBench {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < model_->actuators().size(); ++i) {
       names.push_back(model_->actuators()[i]->name());
-      trial.commands.push_back(random_.between(commanded(i)));
+      trial.commands.push_back(recorder_.rounded(names.back(), random_.between(commanded(i))));
     }
     lab().go(names, trial.commands);
     lab().wait(settings_.wait_s);
     follow(names, trial.commands);
-    const std::vector<MeasuredMarker> untouched = look();
-    on_clock([&] { trial.untouched = estimator_->estimate(untouched); });
+    trial.before = look();
+    on_clock([&] { trial.untouched = estimator_->estimate(trial.before.seen); });
     trial.skin_untouched_m = skin_rms_m(model_->state().positions_m);
-    estimator_->take_offsets(untouched);
+    estimator_->take_offsets(trial.before.seen);
     draw_loads(trial);
     std::vector<PointLoad> loads;
     for (const TrueLoad& one : trial.truth) loads.push_back(one.load);
     lab().load(loads);
     lab().wait(settings_.wait_s);
-    const std::vector<MeasuredMarker> touched = look();
-    on_clock([&] { trial.touched = estimator_->estimate(touched); });
+    trial.after = look();
+    on_clock([&] { trial.touched = estimator_->estimate(trial.after.seen); });
     for (const PointLoad& load : loads) trial.places_m.push_back(load.at.at(robot().state().positions_m));
     trial.skin_touched_m = skin_rms_m(estimator_->estimated_state().positions_m);
     lab().load({});
@@ -179,8 +189,7 @@ class TwinBench {
 
   void follow(const std::vector<std::string>& names, const std::vector<double>& commands) {
     on_clock([&] {
-      for (std::size_t i = 0; i < names.size(); ++i)
-        model_->set_command(names[i], recorder_.rounded(names[i], commands[i]));
+      for (std::size_t i = 0; i < names.size(); ++i) model_->set_command(names[i], commands[i]);
       if (const SolveReport rest = model_->solve_equilibrium(); !rest.converged)
         throw std::runtime_error(twin_.name + ": the fitted model finds no rest: " + rest.message);
     });
@@ -188,16 +197,16 @@ class TwinBench {
 
   // As a running tracker sees it, which knows from the frames before which marker is which; in the model's frame.
   // Errors of frames that stay are in the offsets, so a mean of frames is surer than one.
-  std::vector<MeasuredMarker> look() {
-    std::vector<MeasuredMarker> seen = lab().observe(lab().plant().markers_m());
+  Look look() {
+    Look look{lab().observe(lab().plant().markers_m()), lab().plant().markers_m()};
     const double frames = twin_.files.lab.frames;
     const Eigen::Isometry3d base_from_measured = fit_.measured_from_base.inverse();
-    for (MeasuredMarker& marker : seen) {
+    for (MeasuredMarker& marker : look.seen) {
       marker.position_m = base_from_measured * marker.position_m;
       marker.covariance_m2 =
           base_from_measured.linear() * marker.covariance_m2 * base_from_measured.linear().transpose() / frames;
     }
-    return seen;
+    return look;
   }
 
   TrueLoad random_push() {
@@ -286,6 +295,18 @@ struct Score {
 
 nlohmann::ordered_json triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+nlohmann::ordered_json json_of(const Look& look) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const MeasuredMarker& marker : look.seen) {
+    const Eigen::Matrix3d& c = marker.covariance_m2;
+    json.push_back({{"marker", marker.name},
+                    {"position_m", triple(marker.position_m)},
+                    {"covariance_m2", {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)}},
+                    {"true_m", triple(look.true_m.at(marker.name))}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json json_of(const Trial& trial) {
   const LoadEstimate& found = trial.touched;
   nlohmann::ordered_json json = {{"robot", trial.robot},
@@ -296,7 +317,9 @@ nlohmann::ordered_json json_of(const Trial& trial) {
                                  {"probability", found.probability},
                                  {"chi2_unloaded", found.chi2_unloaded},
                                  {"chi2", found.chi2},
-                                 {"message", found.message}};
+                                 {"message", found.message},
+                                 {"seen_untouched", json_of(trial.before)},
+                                 {"seen_touched", json_of(trial.after)}};
   for (std::size_t i = 0; i < trial.truth.size(); ++i)
     json["true"].push_back({{"position_m", triple(trial.places_m[i])},
                             {"force_n", triple(trial.truth[i].load.force_n)},

@@ -150,15 +150,18 @@ class Session:
     def follow(self, path, wait_s=600.0, **fields):
         """Plans commands with which a marker follows a curve, and plays them; the result of FollowPath. `path`: its file."""
         client = actionlib.ActionClient(self._prefix + 'controller/follow_path', FollowPathAction)
-        if not client.wait_for_server(rospy.Duration(60.0)):
-            raise SessionError('controller/follow_path does not answer')
-        goal = client.send_goal(FollowPathGoal(path=os.path.abspath(path), **fields))
         try:
-            _poll(lambda: goal.get_comm_state() == actionlib.CommState.DONE, wait_s, 'the path does not end within %g s' % wait_s)
-        except SessionError:
-            goal.cancel()
-            raise
-        result = goal.get_result()
+            if not client.wait_for_server(rospy.Duration(60.0)):
+                raise SessionError('controller/follow_path does not answer')
+            goal = client.send_goal(FollowPathGoal(path=os.path.abspath(path), **fields))
+            try:
+                _poll(lambda: goal.get_comm_state() == actionlib.CommState.DONE, wait_s, 'the path does not end within %g s' % wait_s)
+            except SessionError:
+                goal.cancel()
+                raise
+            result = goal.get_result()
+        finally:
+            client.stop()
         if not result.success:
             raise SessionError('controller/follow_path: ' + result.message)
         return result

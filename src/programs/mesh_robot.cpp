@@ -22,6 +22,7 @@
 // The same request gives the same file, byte by byte. Exit status: 0 done, 1 internal fault, 2 bad request; the reason
 // is one line on standard error. A line about the mesh goes to standard output.
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -167,7 +168,24 @@ std::string in_our_words(const std::string& error) {
     return "triangles of this size on its surface cross one another, as a wall or a gap of it is thinner than they are "
            "long; give a smaller element_size_m, or `refinements` there (Gmsh: " +
            error + ")";
+  if (says("Unable to recover the edge"))
+    return "lines of its surface cross one another; where a `fillet` rounds it, take a smaller radius_m, else give a "
+           "smaller element_size_m (Gmsh: " +
+           error + ")";
   return "Gmsh cannot mesh this: " + error;
+}
+
+// What is being handled, in a line; the program's status.
+int report_what_was_thrown() {
+  try {
+    throw;
+  } catch (const std::invalid_argument& error) {
+    return report(2, error.what());
+  } catch (const std::string& error) {
+    return report(2, in_our_words(error));
+  } catch (const std::exception& error) {
+    return report(1, error.what());
+  }
 }
 
 }  // namespace
@@ -176,6 +194,11 @@ std::string in_our_words(const std::string& error) {
 extern "C" const char* __lsan_default_suppressions() { return "leak:libgmsh\nleak:libTK\n"; }
 
 int main(int argc, char** argv) {
+  // Gmsh meshes faces in parallel, where what it throws can be caught by nobody.
+  std::set_terminate([] {
+    if (!std::current_exception()) std::abort();
+    std::_Exit(report_what_was_thrown());
+  });
   CommandLine app("Meshes a solid, or rewrites a mesh file, as MSH 2.2 text with named surfaces.", "mesh_robot");
   std::string request, output;
   app.add_option("REQUEST", request, "what to mesh, as mesh_robot.cpp describes it").type_name("YAML").required();
@@ -184,11 +207,7 @@ int main(int argc, char** argv) {
     if (const std::optional<int> ended = app.read(argc, argv)) return *ended;
     run(request, output);
     return 0;
-  } catch (const std::invalid_argument& error) {
-    return report(2, error.what());
-  } catch (const std::string& error) {
-    return report(2, in_our_words(error));
-  } catch (const std::exception& error) {
-    return report(1, error.what());
+  } catch (...) {
+    return report_what_was_thrown();
   }
 }

@@ -121,20 +121,42 @@ std::vector<int> edges_to_round(const Volumes& volumes, const Solid& solid) {
   return edges;
 }
 
+double volume_of(const Volumes& volumes) {
+  double sum = 0.0;
+  for (const auto& volume : volumes) {
+    double part = 0.0;
+    occ::getMass(volume.first, volume.second, part);
+    sum += part;
+  }
+  return sum;
+}
+
+Eigen::AlignedBox3d box_of(const Volumes& volumes) {
+  Eigen::AlignedBox3d box;
+  for (const auto& volume : volumes) {
+    Eigen::Vector3d low, high;
+    occ::getBoundingBox(volume.first, volume.second, low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
+    box.extend(low).extend(high);
+  }
+  return box;
+}
+
 Volumes build_fillet(const Solid& solid) {
   const Volumes volumes = build(solid.parts[0]);
   if (volumes.empty()) return volumes;
   const std::vector<int> edges = edges_to_round(volumes, solid);
   if (edges.empty()) throw std::invalid_argument("fillet: no edge lies in edges_in");
+  const double most = box_of(volumes).volume();  // rounded inner edges fill it, and nothing lies beyond it
   std::vector<int> tags;
   for (const auto& volume : volumes) tags.push_back(volume.second);
   Volumes all;
+  double rounded = 0.0;  // of a radius too large the kernel makes what is no solid
   try {
     occ::fillet(tags, edges, {scaled(solid.radius_m)}, all);
+    rounded = volume_of(only_volumes(all));
   } catch (const std::string&) {  // what Gmsh throws
-    all.clear();
   }
-  if (only_volumes(all).empty())
+  if (!(rounded > 0.0 && rounded <= most))
     throw std::invalid_argument("fillet: the geometry kernel cannot round these " + std::to_string(edges.size()) +
                                 " edges by radius_m " + std::to_string(solid.radius_m) +
                                 "; take a smaller one, or fewer edges by edges_in");

@@ -200,6 +200,11 @@ TEST_F(MeshRobot, RoundsEdges) {
   expect_relative(volume(mesh_of(tin + "radius_m: 0.004}}", 0.004)), kPi * 2e-6 - away, 2e-3);
   EXPECT_NE(refusal(tin + "radius_m: 0.03}}").find("cannot round these 2 edges by radius_m 0.03"), std::string::npos)
       << refusal(tin + "radius_m: 0.03}}");
+  for (const std::string radius :
+       {"0.01", "0.0102", "0.011", "0.012", "0.018"}) {  // half of the shortest edge, and more
+    const std::string refused = refusal(block.substr(0, block.rfind(' ')) + " " + radius + "}}");
+    EXPECT_NE(refused.find("take a smaller"), std::string::npos) << radius << ": " << refused;
+  }
   EXPECT_EQ(refusal(tin + "radius_m: 0.001, edges_in: {min_m: [1, 1, 1], max_m: [2, 2, 2]}}}"),
             "fillet: no edge lies in edges_in");
 }

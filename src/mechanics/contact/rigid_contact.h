@@ -76,6 +76,7 @@ class RigidContact {
 
   // Of a pair: who among the free touches whom (-1: one that is not free), and by which laws.
   int free_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].free; }
+  int other_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].other; }  // of all obstacles
   int other_free_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].other_free; }
   NormalLaw law_of(Eigen::Index pair) const { return law(pairs_[static_cast<std::size_t>(pair)]); }
   double friction_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].friction; }

@@ -30,6 +30,7 @@ constexpr int kFewStages = 4, kTimesMore = 4, kMostStages = 256;
 constexpr double kSameEnd = 2e-4;    // of the body's size
 constexpr double kBentWay = 1.5;     // times the straight way of a node past an obstacle: a way that is bent
 constexpr int kSlipIterations = 60;  // where points stick and slip by turns
+constexpr double kSafeSlip = 0.9;    // of the longest slip in a stage, for which the next one is planned
 
 void report_unfinished(double done, SolveReport& report) {
   report.converged = false;
@@ -79,7 +80,8 @@ class Walk {
   void begin_slowly(const SimulationState& start);
   bool way_counts(const SimulationState& from) const;
   bool jumped(double share, const Eigen::Matrix3Xd& from_m);
-  RestFound relax_at(double share);
+  RestFound relax_at(double share, const Grip& grip);
+  bool slipped_too_fast(double share, const Grip& grip);
   RestFound try_stage(double share);
   Nudge softest_way();
   bool leapt(double share, const Eigen::Matrix3Xd& from_m);
@@ -98,7 +100,8 @@ class Walk {
   // How far the shape went in the two stages before, as for all of the way [m].
   struct StagesBefore {
     double last_m = 0.0, last_but_one_m = 0.0;
-    bool slipped = false;  // in the last one what was gripped stayed behind
+    bool slipped = false;           // in the last one what was gripped stayed behind
+    double longest_for_slip = 1.0;  // stage, in which what is gripped slips by little
   };
 
   SimulationParts& parts_;
@@ -192,12 +195,12 @@ bool Walk::leapt(double share, const Eigen::Matrix3Xd& from_m) {
 // By Newton, through stable shapes alone where the stage can still be cut. Where that leads through an unstable
 // shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything. What is gripped
 // goes along, or the way is a short one.
-RestFound Walk::relax_at(double share) {
-  const Grip grip(parts_, path_.time_s(done_), path_.time_s(share));
-  const bool too_far = grip.holds_something() && !grip.goes_a_short_way() && !options_.only_through_stable;
+RestFound Walk::relax_at(double share, const Grip& grip) {
+  const bool carries = grip.carries();
+  const bool too_far = carries && !grip.goes_a_short_way() && !options_.only_through_stable;
   if (too_far && ways_.slipped) return RestFound::beyond;
   const bool strict = options_.only_through_stable || (cuttable(share) && !pressed(share));
-  if (grip.holds_something() && !ways_.slipped) {
+  if (carries && !ways_.slipped) {
     SimulationState from = parts_.state;
     grip.carry(parts_.state);
     path_.go_to(share);
@@ -207,19 +210,35 @@ RestFound Walk::relax_at(double share) {
     if (too_far) return RestFound::beyond;
   }
   path_.go_to(share);
-  const int most = grip.holds_something() ? kSlipIterations : constants::kStageIterations;
+  const int most = carries ? kSlipIterations : constants::kStageIterations;
   RestFound found = relax(parts_, report_, {options_.tolerance, strict}, most);
   if (pressed(share) && found == RestFound::none && !held_by_friction_alone(parts_))
     found = relax_from_below(parts_, report_);
-  if (found == RestFound::stable) ways_.slipped = !grip.took_along(parts_.state.contact.free);
+  if (found == RestFound::stable) ways_.slipped = !grip.took_along(parts_.state);
   return found;
+}
+
+// Whether a loose thing may have been left behind, as the stage was long.
+bool Walk::slipped_too_fast(double share, const Grip& grip) {
+  ways_.longest_for_slip = 1.0;
+  if (options_.only_through_stable || !grip.holds_something()) return false;
+  const double slip = grip.slip(parts_.state);
+  if (slip > 0.0) ways_.longest_for_slip = kSafeSlip * Grip::kShort / slip * (share - done_);
+  if (slip <= Grip::kShort) return false;
+  return path_.largest_way_m(done_, share) > Grip::kShort * grip.least_size_m() ||
+         (path_.changes_commands() && cuttable(share));
 }
 
 // Skin that is pressed by what moves may be unstable on the way to a stable shape; there no node may jump.
 RestFound Walk::try_stage(double share) {
   SimulationState from = parts_.state;
-  const RestFound found = relax_at(share);
+  const Grip grip(parts_, path_.time_s(done_), path_.time_s(share));
+  const RestFound found = relax_at(share, grip);
   if (found != RestFound::stable) return found;
+  if (slipped_too_fast(share, grip)) {
+    parts_.state = std::move(from);
+    return RestFound::beyond;
+  }
   if ((pressed(share) && jumped(share, from.positions_m)) || leapt(share, from.positions_m)) {
     parts_.state = std::move(from);
     return RestFound::saddle;  // it went over one
@@ -326,7 +345,7 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   const double end = path_.stage_end(done_, 1.0);
   const bool pushed = parts_.body.touches_itself() || path_.something_moves();
   if (pushed && path_.changes_in_stages() && fall_to(share)) return true;
-  if (Grip(parts_, path_.time_s(done_), path_.time_s(end)).holds_something()) {
+  if (Grip(parts_, path_.time_s(done_), path_.time_s(end)).carries()) {
     report_.message = "what the body grips slips there; steps in time say where it goes";
     return false;
   }
@@ -373,6 +392,7 @@ double Walk::go() {
       begin_slowly(start);
     } else if (found == RestFound::stable) {
       if (share == wanted) stage = std::max(stage, 2.0 * (share - from));
+      stage = std::min(stage, ways_.longest_for_slip);
     } else if (found == RestFound::beyond) {
       stage = 0.5 * (share - from);
     } else if (options_.only_through_stable || !go_on_from(share, found, stage)) {

@@ -2,7 +2,11 @@
 #include "grip.h"
 
 #include <algorithm>
-#include <set>
+#include <array>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
 
 #include "mechanics/body/gap.h"
 #include "soft_robot_lab/mechanics/body.h"
@@ -10,57 +14,235 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kAlike = 1e-9;     // of a pose
-constexpr double kShortWay = 0.05;  // of what is gripped: half its least extent
+constexpr double kAlike = 1e-9;    // of a pose
+constexpr double kTogether = 0.2;  // of a way: what differs by less carries a thing along
 
-// How all holds move, where they move and all alike.
-std::optional<Eigen::Isometry3d> way_of_holds(const Body& body, double from_s, double to_s) {
+Eigen::Isometry3d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+  return to * from.inverse();
+}
+
+// How the holds of a body move, where they move alike; `held` says whether it has any.
+std::optional<Eigen::Isometry3d> way_of_holds(const Body& body, int one, double from_s, double to_s, bool& held) {
   std::optional<Eigen::Isometry3d> way;
   for (const Hold& hold : body.holds()) {
-    const Eigen::Isometry3d one =
-        pose_at(hold.motion, hold.center_m, to_s) * pose_at(hold.motion, hold.center_m, from_s).inverse();
-    if (way && !one.isApprox(*way, kAlike)) return std::nullopt;
-    way = one;
+    const bool of_it =
+        std::any_of(hold.nodes.begin(), hold.nodes.end(), [&](int node) { return body.body_of_node(node) == one; });
+    if (!of_it) continue;
+    held = true;
+    const Eigen::Isometry3d its =
+        way_between(pose_at(hold.motion, hold.center_m, from_s), pose_at(hold.motion, hold.center_m, to_s));
+    if (way && !its.isApprox(*way, kAlike)) return std::nullopt;
+    way = its;
   }
-  if (way && way->isApprox(Eigen::Isometry3d::Identity(), kAlike)) return std::nullopt;
   return way;
+}
+
+// Half the least extent of each body's rest shape.
+std::vector<double> sizes_m(const Body& body) {
+  std::vector<Eigen::AlignedBox3d> boxes(body.mesh().bodies.size());
+  for (Eigen::Index node = 0; node < body.mesh().nodes_m.cols(); ++node)
+    boxes[static_cast<std::size_t>(body.body_of_node(static_cast<int>(node)))].extend(
+        Eigen::Vector3d(body.mesh().nodes_m.col(node)));
+  std::vector<double> sizes;
+  for (const Eigen::AlignedBox3d& box : boxes) sizes.push_back(0.5 * box.sizes().minCoeff());
+  return sizes;
+}
+
+Eigen::Vector3d turn_rad(const Eigen::Isometry3d& way) {
+  const Eigen::AngleAxisd turn(way.linear());
+  return turn.angle() * turn.axis();
 }
 
 }  // namespace
 
 Grip::Grip(const SimulationParts& parts, double from_s, double to_s)
-    : free_(parts.workspace.newton.contact().free()), start_(parts.state.contact.free) {
-  if (free_.count() == 0) return;
-  way_ = way_of_holds(parts.body, from_s, to_s);
-  if (!way_) return;
-  std::set<int> gripped;
-  for (const ContactTouch& touch :
-       parts.workspace.newton.contact().sums(parts.state.positions_m, parts.state.contact).touches)
-    if (touch.free >= 0 && touch.rubs() && touch.pressure_pa > 0.0) gripped.insert(touch.free);
-  gripped_.assign(gripped.begin(), gripped.end());
+    : parts_(parts), contact_(parts.workspace.newton.contact()) {
+  if (contact_.empty()) return;
+  find_things(from_s, to_s);
+  if (std::none_of(things_.begin(), things_.end(), [](const Thing& one) { return one.loose; })) return;
+  start_ = parts.state;
+  add_skin_touches(from_s, to_s);
+  add_rigid_touches(from_s, to_s);
+  find_ways();
 }
 
-Eigen::Vector3d Grip::way_m(int free) const { return *way_ * start_.centers_m.col(free) - start_.centers_m.col(free); }
+void Grip::find_things(double from_s, double to_s) {
+  for (int free = 0; free < contact_.free().count(); ++free)
+    things_.push_back({true, contact_.free().size_m(free), std::nullopt});
+  for (const double size_m : sizes_m(parts_.body)) {
+    const int body = static_cast<int>(things_.size()) - contact_.free().count();
+    bool held = false;
+    const Way way = way_of_holds(parts_.body, body, from_s, to_s, held);
+    things_.push_back({!held, size_m, way});
+  }
+}
+
+Grip::Way Grip::way_of_obstacle(int obstacle, double from_s, double to_s) const {
+  const Obstacle& one = parts_.body.obstacles()[static_cast<std::size_t>(obstacle)];
+  const Eigen::Isometry3d way = way_between(pose_at(one, from_s), pose_at(one, to_s));
+  return way.isApprox(Eigen::Isometry3d::Identity(), kAlike) ? Way() : Way(way);
+}
+
+// What stands still counts as little as what is held on both sides.
+void Grip::add(Rub rub) {
+  if (!thing(rub.thing).loose && rub.other >= 0) std::swap(rub.thing, rub.other);
+  if (!thing(rub.thing).loose || (rub.other < 0 && !rub.way)) return;
+  rubs_.push_back(std::move(rub));
+}
+
+void Grip::add_skin_touches(double from_s, double to_s) {
+  const ContactSums at = contact_.sums(start_.positions_m, start_.contact);
+  const int frees = contact_.free().count();
+  for (const ContactTouch& touch : at.touches) {
+    if (!touch.rubs() || touch.pressure_pa <= 0.0) continue;
+    std::array<int, 12> nodes;
+    std::array<double, 12> shares;
+    const int count = contact_.nodes_of(touch, nodes, shares);
+    Rub rub;
+    rub.thing = frees + parts_.body.body_of_node(nodes[0]);
+    rub.force_n = contact_.weight_m2(touch.pair) * touch.pressure_pa;
+    rub.normal = touch.normal;
+    rub.touch = touch;
+    if (touch.on_skin()) {
+      rub.other = frees + parts_.body.body_of_node(nodes[static_cast<std::size_t>(count) - 1]);
+      if (rub.other == rub.thing) continue;
+      rub.place_m = contact_.skin().points().at(contact_.point_of(touch.pair), start_.positions_m);
+    } else {
+      const int obstacle = touch.pair / contact_.points().count();
+      rub.place_m = at.points_m.col(contact_.point_of(touch.pair));
+      rub.two = {obstacle, contact_.pose_of(obstacle, start_.contact).inverse() * rub.place_m};
+      if (touch.free >= 0)
+        rub.other = touch.free;
+      else
+        rub.way = way_of_obstacle(obstacle, from_s, to_s);
+    }
+    add(std::move(rub));
+  }
+}
+
+void Grip::add_rigid_touches(double from_s, double to_s) {
+  const RigidContact& rigid = contact_.rigid();
+  for (const RigidTouch& touch : rigid.touches(start_.contact)) {
+    if (!touch.rubs() || touch.force_n <= 0.0) continue;
+    Rub rub;
+    rub.thing = rigid.free_of(touch.pair);
+    rub.other = rigid.other_free_of(touch.pair);
+    rub.force_n = touch.force_n;
+    rub.place_m = touch.position_m;
+    rub.normal = touch.normal;
+    rub.one = {contact_.free().obstacle(rub.thing), touch.pose.inverse() * touch.position_m};
+    rub.two = {rigid.other_of(touch.pair), touch.other_pose.inverse() * touch.position_m};
+    if (rub.other < 0) rub.way = way_of_obstacle(rub.two.obstacle, from_s, to_s);
+    add(std::move(rub));
+  }
+}
+
+// By what rubs on it, and moves as is known.
+Grip::Way Grip::mean_way(int of) const {
+  double force_n = 0.0;
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero(), way_m = place_m, turn = place_m;
+  for (const Rub& rub : rubs_) {
+    if (rub.thing != of) continue;
+    const Way& way = way_of_other(rub);
+    if (!way) continue;
+    force_n += rub.force_n;
+    place_m += rub.force_n * rub.place_m;
+    way_m += rub.force_n * (*way * rub.place_m - rub.place_m);
+    turn += rub.force_n * turn_rad(*way);
+  }
+  if (force_n == 0.0) return std::nullopt;
+  const Eigen::Isometry3d mean = moved_about(place_m / force_n, way_m / force_n, turn / force_n);
+  const bool together = std::all_of(rubs_.begin(), rubs_.end(), [&](const Rub& rub) {
+    const Way& way = rub.thing == of ? way_of_other(rub) : Way();
+    const Eigen::Vector3d went_m = mean * rub.place_m - rub.place_m;
+    return !way || (*way * rub.place_m - rub.place_m - went_m).norm() <= kTogether * went_m.norm();
+  });
+  return together ? Way(mean) : std::nullopt;
+}
+
+void Grip::find_ways() {
+  std::vector<Way> ways;
+  for (int i = 0; i < static_cast<int>(things_.size()); ++i)
+    ways.push_back(thing(i).loose ? mean_way(i) : thing(i).way);
+  for (std::size_t i = 0; i < ways.size(); ++i) things_[i].way = ways[i];
+}
+
+double Grip::way_m(int of) const {
+  if (!thing(of).way) return 0.0;
+  double largest_m = 0.0;
+  for (const Rub& rub : rubs_)
+    if (rub.thing == of) largest_m = std::max(largest_m, (*thing(of).way * rub.place_m - rub.place_m).norm());
+  return largest_m;
+}
+
+bool Grip::carries() const {
+  return std::any_of(rubs_.begin(), rubs_.end(),
+                     [&](const Rub& rub) { return way_m(rub.thing) > kAlike * thing(rub.thing).size_m; });
+}
 
 bool Grip::goes_a_short_way() const {
-  return std::all_of(gripped_.begin(), gripped_.end(),
-                     [&](int free) { return way_m(free).norm() <= kShortWay * free_.size_m(free); });
+  return std::all_of(rubs_.begin(), rubs_.end(),
+                     [&](const Rub& rub) { return way_m(rub.thing) <= kShort * thing(rub.thing).size_m; });
 }
 
 void Grip::carry(SimulationState& state) const {
+  const int frees = contact_.free().count();
   FreePoses& poses = state.contact.free;
-  for (const int free : gripped_) {
-    poses.centers_m.col(free) += way_m(free);
-    poses.turns.col(free) = (Eigen::Quaterniond(way_->linear()) * Eigen::Quaterniond(start_.turns.col(free))).coeffs();
+  for (int free = 0; free < frees; ++free) {
+    const Way& way = thing(free).way;
+    if (!way) continue;
+    poses.centers_m.col(free) = *way * Eigen::Vector3d(poses.centers_m.col(free));
+    poses.turns.col(free) = (Eigen::Quaterniond(way->linear()) * Eigen::Quaterniond(poses.turns.col(free))).coeffs();
   }
-  state.positions_m = *way_ * state.positions_m;
+  for (Eigen::Index node = 0; node < state.positions_m.cols(); ++node) {
+    const Way& way = thing(frees + parts_.body.body_of_node(static_cast<int>(node))).way;
+    if (way) state.positions_m.col(node) = *way * Eigen::Vector3d(state.positions_m.col(node));
+  }
 }
 
-bool Grip::took_along(const FreePoses& to) const {
-  return std::all_of(gripped_.begin(), gripped_.end(), [&](int free) {
-    const Eigen::Vector3d went_m = to.centers_m.col(free) - start_.centers_m.col(free);
-    return went_m.dot(way_m(free)) >= 0.5 * way_m(free).squaredNorm();
+Eigen::Vector3d Grip::slip_m(const Rub& rub, const SimulationState& to) const {
+  const auto there_m = [&](const Side& side) {
+    return side.obstacle >= 0 ? Eigen::Vector3d(contact_.pose_of(side.obstacle, to.contact) * side.local_m)
+                              : contact_.points().at(contact_.point_of(rub.touch.pair), to.positions_m);
+  };
+  if (rub.touch.on_skin())
+    return contact_.relative_motion_m(rub.touch, to.positions_m - start_.positions_m, FreeColumns());
+  return there_m(rub.one) - there_m(rub.two);
+}
+
+std::vector<Grip::Slipped> Grip::slips(const SimulationState& to) const {
+  std::map<std::tuple<int, int, int>, Slipped> of_pairs;
+  for (const Rub& rub : rubs_) {
+    const Eigen::Vector3d way_m = slip_m(rub, to);
+    Slipped& slipped = of_pairs[{rub.thing, rub.other, rub.two.obstacle}];
+    slipped.thing = rub.thing;
+    slipped.mean_m += rub.force_n * (way_m - rub.normal * rub.normal.dot(way_m)).norm();
+    slipped.force_n += rub.force_n;
+  }
+  std::vector<Slipped> all;
+  for (const auto& [sides, slipped] : of_pairs)
+    all.push_back({slipped.thing, slipped.mean_m / slipped.force_n, slipped.force_n});
+  return all;
+}
+
+bool Grip::took_along(const SimulationState& to) const {
+  const std::vector<Slipped> all = slips(to);
+  return std::all_of(all.begin(), all.end(), [&](const Slipped& one) {
+    const double went_m = way_m(one.thing);
+    return went_m == 0.0 || one.mean_m <= 0.5 * went_m;
   });
+}
+
+double Grip::least_size_m() const {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const Rub& rub : rubs_) least_m = std::min(least_m, thing(rub.thing).size_m);
+  return least_m;
+}
+
+double Grip::slip(const SimulationState& to) const {
+  double largest = 0.0;
+  for (const Slipped& one : slips(to)) largest = std::max(largest, one.mean_m / thing(one.thing).size_m);
+  return largest;
 }
 
 }  // namespace soft_robot_lab

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Free obstacles that rub on a body whose holds all move alike from one time to another.
+// Loose things that rub on what moves: free obstacles, and bodies without holds.
 //
-// What friction holds goes along. A rest state of so long a way has another solution too: the body slips past what it
-// holds, which stays behind. Only the way in short parts says which of the two comes.
+// What friction holds goes along. A rest state of so long a way has another solution too: what holds the thing slips
+// past it, and leaves it behind. Only the way in short parts says which of the two comes.
 #pragma once
 
 #include <optional>
@@ -16,24 +16,69 @@ namespace soft_robot_lab {
 
 class Grip {
  public:
+  static constexpr double kShort = 0.05;  // a way, over half the least extent of what is held
+
   // Of the present state, which stands at the first of these times.
   Grip(const SimulationParts& parts, double from_s, double to_s);
 
-  bool holds_something() const { return !gripped_.empty(); }
-  // Whether the holds go so little that what is gripped cannot be left behind.
+  bool holds_something() const { return !rubs_.empty(); }
+  bool carries() const;  // what it holds, by a way that is known
+  // Whether what holds it goes so little that it cannot be left behind.
   bool goes_a_short_way() const;
-  // That state's body, and what it holds, by the way of its holds.
+  // That state's bodies by the way of their holds, and what is held by the mean way of what rubs on it.
   void carry(SimulationState& state) const;
-  // Whether all that was gripped went along to there, more than it stayed.
-  bool took_along(const FreePoses& to) const;
+  // Whether all that is held went along to there, more than it stayed.
+  bool took_along(const SimulationState& to) const;
+  // How far what rubs on it slipped on the way to there, at most, over half the least extent of what is held.
+  double slip(const SimulationState& to) const;
+  double least_size_m() const;  // half the least extent of the smallest thing that is held
 
  private:
-  Eigen::Vector3d way_m(int free) const;
+  using Way = std::optional<Eigen::Isometry3d>;
+  // The free obstacles, and after them the bodies, of which some are held.
+  struct Thing {
+    bool loose = true;
+    double size_m = 0.0;  // half its least extent
+    Way way;              // where it is known
+  };
+  // A place of an obstacle as that is stated, or a contact point of the skin.
+  struct Side {
+    int obstacle = -1;
+    Eigen::Vector3d local_m = Eigen::Vector3d::Zero();
+  };
+  struct Rub {
+    int thing = 0, other = -1;  // among the things; -1: an obstacle that moves
+    double force_n = 0.0;
+    Eigen::Vector3d place_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+    Side one, two;
+    ContactTouch touch;  // of skin
+    Way way;             // of an obstacle that moves
+  };
+  // Of all places where the same two rub: the mean, by force.
+  struct Slipped {
+    int thing = 0;
+    double mean_m = 0.0, force_n = 0.0;
+  };
 
-  const FreeObstacles& free_;
-  FreePoses start_;
-  std::optional<Eigen::Isometry3d> way_;
-  std::vector<int> gripped_;  // among the free
+  void find_things(double from_s, double to_s);
+  void add_skin_touches(double from_s, double to_s);
+  void add_rigid_touches(double from_s, double to_s);
+  void add(Rub rub);
+  void find_ways();
+  const Way& way_of_other(const Rub& rub) const { return rub.other >= 0 ? thing(rub.other).way : rub.way; }
+  Way mean_way(int thing) const;
+  Way way_of_obstacle(int obstacle, double from_s, double to_s) const;
+  Eigen::Vector3d slip_m(const Rub& rub, const SimulationState& to) const;
+  std::vector<Slipped> slips(const SimulationState& to) const;
+  double way_m(int thing) const;
+  const Thing& thing(int i) const { return things_[static_cast<std::size_t>(i)]; }
+  Thing& thing(int i) { return things_[static_cast<std::size_t>(i)]; }
+
+  const SimulationParts& parts_;
+  const ContactTerm& contact_;
+  SimulationState start_;
+  std::vector<Thing> things_;
+  std::vector<Rub> rubs_;
 };
 
 }  // namespace soft_robot_lab

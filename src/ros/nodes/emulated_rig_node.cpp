@@ -43,9 +43,9 @@ class EmulatedRigNode {
  public:
   explicit EmulatedRigNode(const ros::NodeHandle& node)
       : rig_(load_rig(required_text(node, "rig", "the path of a rig's file"))),
+        plant_(plant_of(node)),
         path_(required_text(node, "control", "the path of the emulator's socket")),
         control_(connect(path_)) {
-    if (const auto path = text_parameter(node, "plant"); !path.empty()) plant_ = load_plant(path);
     set_backlash();
     shafts_ = node_.advertise<ShaftState>(topics::rig_shafts, 10);
     command_ = node_.advertiseService(topics::rig_command, &EmulatedRigNode::command, this);
@@ -53,6 +53,11 @@ class EmulatedRigNode {
   }
 
  private:
+  static std::optional<PlantSettings> plant_of(const ros::NodeHandle& node) {
+    const std::string path = text_parameter(node, "plant");
+    return path.empty() ? std::nullopt : std::optional(load_plant(path));
+  }
+
   void set_backlash() {
     if (!plant_) return;
     for (std::size_t i = 0; i < rig_.motors.size(); ++i) {
@@ -95,8 +100,8 @@ class EmulatedRigNode {
   }
 
   RigSettings rig_;
-  std::string path_;
   std::optional<PlantSettings> plant_;
+  std::string path_;
   std::unique_ptr<RigControl> control_;
   ros::NodeHandle node_;
   ros::Publisher shafts_;

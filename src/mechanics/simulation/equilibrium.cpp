@@ -30,7 +30,9 @@ constexpr int kFewStages = 4, kTimesMore = 4, kMostStages = 256;
 constexpr double kSameEnd = 2e-4;    // of the body's size
 constexpr double kBentWay = 1.5;     // times the straight way of a node past an obstacle: a way that is bent
 constexpr int kSlipIterations = 60;  // where points stick and slip by turns
-constexpr double kSafeSlip = 0.9;    // of the longest slip in a stage, for which the next one is planned
+constexpr double kFirstSlip =
+    2.0;  // of a short way: where a thing is first rubbed on in a stage, nobody knows for how long
+constexpr double kSafeSlip = 0.9;  // of the longest slip in a stage, for which the next one is planned
 
 void report_unfinished(double done, SolveReport& report) {
   report.converged = false;
@@ -81,6 +83,7 @@ class Walk {
   bool way_counts(const SimulationState& from) const;
   bool jumped(double share, const Eigen::Matrix3Xd& from_m);
   RestFound relax_at(double share, const Grip& grip);
+  bool sticks_at_start(const Grip& grip) const;
   bool slipped_too_fast(double share, const Grip& grip);
   RestFound try_stage(double share);
   Nudge softest_way();
@@ -101,6 +104,7 @@ class Walk {
   struct StagesBefore {
     double last_m = 0.0, last_but_one_m = 0.0;
     bool slipped = false;           // in the last one what was gripped stayed behind
+    int held_after = -1;            // so many poses it did not
     double longest_for_slip = 1.0;  // stage, in which what is gripped slips by little
   };
 
@@ -198,13 +202,13 @@ bool Walk::leapt(double share, const Eigen::Matrix3Xd& from_m) {
 RestFound Walk::relax_at(double share, const Grip& grip) {
   const bool carries = grip.carries();
   const bool too_far = carries && !grip.goes_a_short_way() && !options_.only_through_stable;
-  if (too_far && ways_.slipped) return RestFound::beyond;
+  if (too_far && (ways_.slipped || !sticks_at_start(grip))) return RestFound::beyond;
   const bool strict = options_.only_through_stable || (cuttable(share) && !pressed(share));
   if (carries && !ways_.slipped) {
     SimulationState from = parts_.state;
     grip.carry(parts_.state);
     path_.go_to(share);
-    const RestFound found = relax(parts_, report_, {options_.tolerance, strict});
+    const RestFound found = relax(parts_, report_, {options_.tolerance, strict}, kSlipIterations);
     if (found == RestFound::stable) return found;
     parts_.state = std::move(from);
     if (too_far) return RestFound::beyond;
@@ -218,15 +222,24 @@ RestFound Walk::relax_at(double share, const Grip& grip) {
   return found;
 }
 
+// Whether a short stage before showed that friction holds where this one begins. Where all presses as hard on the way
+// as at its end, the end shows it.
+bool Walk::sticks_at_start(const Grip& grip) const {
+  return (grip.moves_alike() && !path_.changes_commands()) || ways_.held_after == path_.poses_before(done_);
+}
+
 // Whether a loose thing may have been left behind, as the stage was long.
 bool Walk::slipped_too_fast(double share, const Grip& grip) {
   ways_.longest_for_slip = 1.0;
-  if (options_.only_through_stable || !grip.holds_something()) return false;
-  const double slip = grip.slip(parts_.state);
+  if (options_.only_through_stable || !grip.has_loose_things()) return false;
+  const bool met =
+      path_.something_moves() && Grip(parts_, path_.time_s(done_), path_.time_s(share)).rubs_more_than(grip);
+  const double slip = met ? kFirstSlip * Grip::kShort : grip.slip(parts_.state);
+  ways_.held_after = slip <= Grip::kShort ? path_.poses_before(done_) : -1;
   if (slip > 0.0) ways_.longest_for_slip = kSafeSlip * Grip::kShort / slip * (share - done_);
   if (slip <= Grip::kShort) return false;
   return path_.largest_way_m(done_, share) > Grip::kShort * grip.least_size_m() ||
-         (path_.changes_commands() && cuttable(share));
+         (!met && path_.changes_commands() && cuttable(share));
 }
 
 // Skin that is pressed by what moves may be unstable on the way to a stable shape; there no node may jump.
@@ -346,6 +359,7 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   const bool pushed = parts_.body.touches_itself() || path_.something_moves();
   if (pushed && path_.changes_in_stages() && fall_to(share)) return true;
   if (Grip(parts_, path_.time_s(done_), path_.time_s(end)).carries()) {
+    if (ways_.held_after == path_.poses_before(done_) && try_stage(end) == RestFound::stable) return true;
     report_.message = "what the body grips slips there; steps in time say where it goes";
     return false;
   }

@@ -2,10 +2,8 @@
 #include "grip.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include "mechanics/body/gap.h"
@@ -14,7 +12,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kAlike = 1e-9;    // of a pose
+constexpr double kAlike = 1e-9;    // of a pose, or a way
 constexpr double kTogether = 0.2;  // of a way: what differs by less carries a thing along
 
 Eigen::Isometry3d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
@@ -59,7 +57,7 @@ Grip::Grip(const SimulationParts& parts, double from_s, double to_s)
     : parts_(parts), contact_(parts.workspace.newton.contact()) {
   if (contact_.empty()) return;
   find_things(from_s, to_s);
-  if (std::none_of(things_.begin(), things_.end(), [](const Thing& one) { return one.loose; })) return;
+  if (!has_loose_things()) return;
   start_ = parts.state;
   add_skin_touches(from_s, to_s);
   add_rigid_touches(from_s, to_s);
@@ -151,20 +149,32 @@ Grip::Way Grip::mean_way(int of) const {
     turn += rub.force_n * turn_rad(*way);
   }
   if (force_n == 0.0) return std::nullopt;
-  const Eigen::Isometry3d mean = moved_about(place_m / force_n, way_m / force_n, turn / force_n);
-  const bool together = std::all_of(rubs_.begin(), rubs_.end(), [&](const Rub& rub) {
-    const Way& way = rub.thing == of ? way_of_other(rub) : Way();
+  return moved_about(place_m / force_n, way_m / force_n, turn / force_n);
+}
+
+bool Grip::all_go(int of, const Eigen::Isometry3d& mean, double differing) const {
+  return std::all_of(rubs_.begin(), rubs_.end(), [&](const Rub& rub) {
+    if (rub.thing != of) return true;
+    const Way& way = way_of_other(rub);
     const Eigen::Vector3d went_m = mean * rub.place_m - rub.place_m;
-    return !way || (*way * rub.place_m - rub.place_m - went_m).norm() <= kTogether * went_m.norm();
+    return way && (*way * rub.place_m - rub.place_m - went_m).norm() <= differing * went_m.norm();
   });
-  return together ? Way(mean) : std::nullopt;
 }
 
 void Grip::find_ways() {
-  std::vector<Way> ways;
-  for (int i = 0; i < static_cast<int>(things_.size()); ++i)
-    ways.push_back(thing(i).loose ? mean_way(i) : thing(i).way);
-  for (std::size_t i = 0; i < ways.size(); ++i) things_[i].way = ways[i];
+  std::vector<Thing> found = things_;
+  for (int i = 0; i < static_cast<int>(things_.size()); ++i) {
+    if (!thing(i).loose) continue;
+    Thing& one = found[static_cast<std::size_t>(i)];
+    one.way = mean_way(i);
+    if (one.way && !all_go(i, *one.way, kTogether)) one.way.reset();
+    one.alike = one.way && all_go(i, *one.way, kAlike);
+  }
+  things_ = std::move(found);
+}
+
+bool Grip::moves_alike() const {
+  return std::all_of(rubs_.begin(), rubs_.end(), [&](const Rub& rub) { return thing(rub.thing).alike; });
 }
 
 double Grip::way_m(int of) const {
@@ -173,6 +183,17 @@ double Grip::way_m(int of) const {
   for (const Rub& rub : rubs_)
     if (rub.thing == of) largest_m = std::max(largest_m, (*thing(of).way * rub.place_m - rub.place_m).norm());
   return largest_m;
+}
+
+bool Grip::has_loose_things() const {
+  return std::any_of(things_.begin(), things_.end(), [](const Thing& one) { return one.loose; });
+}
+
+bool Grip::rubs_more_than(const Grip& before) const {
+  return std::any_of(rubs_.begin(), rubs_.end(), [&](const Rub& rub) {
+    return std::none_of(before.rubs_.begin(), before.rubs_.end(),
+                        [&](const Rub& other) { return sides(other) == sides(rub); });
+  });
 }
 
 bool Grip::carries() const {
@@ -211,10 +232,10 @@ Eigen::Vector3d Grip::slip_m(const Rub& rub, const SimulationState& to) const {
 }
 
 std::vector<Grip::Slipped> Grip::slips(const SimulationState& to) const {
-  std::map<std::tuple<int, int, int>, Slipped> of_pairs;
+  std::map<Sides, Slipped> of_pairs;
   for (const Rub& rub : rubs_) {
     const Eigen::Vector3d way_m = slip_m(rub, to);
-    Slipped& slipped = of_pairs[{rub.thing, rub.other, rub.two.obstacle}];
+    Slipped& slipped = of_pairs[sides(rub)];
     slipped.thing = rub.thing;
     slipped.mean_m += rub.force_n * (way_m - rub.normal * rub.normal.dot(way_m)).norm();
     slipped.force_n += rub.force_n;
@@ -235,7 +256,8 @@ bool Grip::took_along(const SimulationState& to) const {
 
 double Grip::least_size_m() const {
   double least_m = std::numeric_limits<double>::infinity();
-  for (const Rub& rub : rubs_) least_m = std::min(least_m, thing(rub.thing).size_m);
+  for (const Thing& one : things_)
+    if (one.loose) least_m = std::min(least_m, one.size_m);
   return least_m;
 }
 

@@ -5,6 +5,7 @@
 // past it, and leaves it behind. Only the way in short parts says which of the two comes.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -22,7 +23,11 @@ class Grip {
   Grip(const SimulationParts& parts, double from_s, double to_s);
 
   bool holds_something() const { return !rubs_.empty(); }
-  bool carries() const;  // what it holds, by a way that is known
+  bool carries() const;      // what it holds, by a way that is known
+  bool moves_alike() const;  // all that rubs on it, so that it presses no harder on the way
+  bool has_loose_things() const;
+  // Whether something rubs here that does not there.
+  bool rubs_more_than(const Grip& before) const;
   // Whether what holds it goes so little that it cannot be left behind.
   bool goes_a_short_way() const;
   // That state's bodies by the way of their holds, and what is held by the mean way of what rubs on it.
@@ -31,7 +36,7 @@ class Grip {
   bool took_along(const SimulationState& to) const;
   // How far what rubs on it slipped on the way to there, at most, over half the least extent of what is held.
   double slip(const SimulationState& to) const;
-  double least_size_m() const;  // half the least extent of the smallest thing that is held
+  double least_size_m() const;  // half the least extent of the smallest loose thing
 
  private:
   using Way = std::optional<Eigen::Isometry3d>;
@@ -40,6 +45,7 @@ class Grip {
     bool loose = true;
     double size_m = 0.0;  // half its least extent
     Way way;              // where it is known
+    bool alike = true;    // it is that of all that rubs on it
   };
   // A place of an obstacle as that is stated, or a contact point of the skin.
   struct Side {
@@ -54,6 +60,9 @@ class Grip {
     ContactTouch touch;  // of skin
     Way way;             // of an obstacle that moves
   };
+  // Which two rub there: the things, and the obstacle.
+  using Sides = std::array<int, 3>;
+  static Sides sides(const Rub& rub) { return {rub.thing, rub.other, rub.two.obstacle}; }
   // Of all places where the same two rub: the mean, by force.
   struct Slipped {
     int thing = 0;
@@ -67,6 +76,8 @@ class Grip {
   void find_ways();
   const Way& way_of_other(const Rub& rub) const { return rub.other >= 0 ? thing(rub.other).way : rub.way; }
   Way mean_way(int thing) const;
+  // Whether what rubs on a thing goes that way, but for so much of it.
+  bool all_go(int thing, const Eigen::Isometry3d& way, double differing) const;
   Way way_of_obstacle(int obstacle, double from_s, double to_s) const;
   Eigen::Vector3d slip_m(const Rub& rub, const SimulationState& to) const;
   std::vector<Slipped> slips(const SimulationState& to) const;

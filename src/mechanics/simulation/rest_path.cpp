@@ -75,6 +75,11 @@ double RestPath::largest_way_m(double from, double to) const {
   return largest_m;
 }
 
+int RestPath::poses_before(double share) const {
+  const double met_s = time_s(share) + kShareMet * (end_s_ - start_s_);
+  return static_cast<int>(std::upper_bound(poses_s_.begin(), poses_s_.end(), met_s) - poses_s_.begin());
+}
+
 double RestPath::stage_end(double from, double to) const {
   if (start_s_ == end_s_) return to;
   const double step = end_s_ - start_s_, from_s = time_s(from);

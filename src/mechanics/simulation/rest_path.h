@@ -31,6 +31,7 @@ class RestPath {
   double time_s(double share) const { return share == 1.0 ? end_s_ : start_s_ + share * (end_s_ - start_s_); }
   // An obstacle or a hold.
   bool something_moves() const { return start_s_ != end_s_; }
+  int poses_before(double share) const;  // how many poses of motions lie behind
   // How far what moves goes in a stage, an obstacle's centre or a held node at most.
   double largest_way_m(double from, double to) const;
   // The furthest share up to `to` that one stage from the present state at `from` may reach: up to the next pose of a

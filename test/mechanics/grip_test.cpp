@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two pads close on a free box and lift it. What friction holds goes along; a rest state in one long stage left it on
-// the floor, which is one too.
+// Two pads close on a loose thing and lift it. What friction holds goes along; a rest state in one long stage left it
+// on the floor, which is one too.
 #include <gtest/gtest.h>
 
 #include "box_mesh.h"
@@ -13,8 +13,9 @@ constexpr double kHalf_m = 0.00875;  // of the box's edge
 constexpr double kLift_m = 0.02, kAside_m = 0.015;
 const Eigen::Vector3d kStill = Eigen::Vector3d::Zero();
 
-// Pads of 10 x 20 x 40 mm, held at their upper ends, that come 3.4 mm too near for the box, then go up and then aside.
-Simulation pads(double friction, double unit_s = 1.0) {
+// Pads of 10 x 20 x 40 mm, held at their upper ends, that come 3.4 mm too near for the box, then go up and turn towards
+// it, and then go aside.
+Simulation pads(double friction, double unit_s = 1.0, double turn_rad = 0.0) {
   const double gap_m = 0.005, close_m = gap_m + 0.0034, x_m = kHalf_m + gap_m;
   TetMesh mesh = box_mesh({x_m, -0.01, 0.002}, {x_m + 0.01, 0.01, 0.042}, {1, 2, 4});
   add_body("left", box_mesh({-x_m - 0.01, -0.01, 0.002}, {-x_m, 0.01, 0.042}, {1, 2, 4}), mesh);
@@ -22,8 +23,9 @@ Simulation pads(double friction, double unit_s = 1.0) {
   for (const double side : {1.0, -1.0}) {
     const Eigen::Vector3d closed(-side * close_m, 0, 0), up = closed + Eigen::Vector3d(0, 0, kLift_m),
                                                          aside = up + Eigen::Vector3d(0, kAside_m, 0);
+    const Eigen::Vector3d turned(0.0, side * turn_rad, 0.0);
     body.fix_nodes({side > 0.0 ? 0.0 : -1.0, -1, 0.041}, {side > 0.0 ? 1.0 : 0.0, 1, 1}, {true, true, true},
-                   {{0.0}, {unit_s, closed, kStill}, {2.0 * unit_s, up, kStill}, {3.0 * unit_s, aside, kStill}},
+                   {{0.0}, {unit_s, closed, kStill}, {2.0 * unit_s, up, turned}, {3.0 * unit_s, aside, turned}},
                    side > 0.0 ? "right" : "left");
   }
   body.set_gravity({0, 0, -9.81});
@@ -47,6 +49,43 @@ TEST(Grip, TakesAlongWhatFrictionHolds) {
   const SolveReport report = simulation.solve_equilibrium();
   ASSERT_TRUE(report.converged) << report.message;
   EXPECT_LT((box_of(simulation) - box_of(slow)).norm(), 1e-4) << box_of(simulation).transpose();
+}
+
+// Where it is after a slow motion in time is written down, here and below: each would take half a minute.
+TEST(Grip, TakesAlongWhatPadsHoldThatTurnMeanwhile) {
+  Simulation simulation = pads(0.8, 1.0, 0.06);
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_LT((box_of(simulation) - Eigen::Vector3d(0, kAside_m, 0.02828)).norm(), 5e-5)
+      << box_of(simulation).transpose();
+}
+
+// One pad and a jaw that is an obstacle, 2.5 mm too near for the box.
+Simulation pad_and_jaw() {
+  const double gap_m = 0.003, close_m = gap_m + 0.00125, x_m = kHalf_m + gap_m;
+  Body body(box_mesh({x_m, -0.01, 0.002}, {x_m + 0.01, 0.01, 0.032}, {1, 2, 3}), {{120e3, 0.49, 1070.0}});
+  const auto motion = [&](double side) -> std::vector<ObstaclePose> {
+    const Eigen::Vector3d closed(-side * close_m, 0, 0), up = closed + Eigen::Vector3d(0, 0, kLift_m);
+    return {{0.0}, {1.0, closed, kStill}, {2.0, up, kStill}};
+  };
+  body.fix_nodes({0, -1, 0.031}, {1, 1, 1}, {true, true, true}, motion(1.0), "pad");
+  body.set_gravity({0, 0, -9.81});
+  body.set_viscosity({20.0, 0.01, 0.01, 1.0});
+  Obstacle box{"box", RoundedBox{{0, 0, kHalf_m}, Eigen::Vector3d::Constant(2.0 * kHalf_m), 0.0009}, {}, 0.6};
+  box.mass_kg = 0.004;
+  const RoundedBox jaw{{-x_m - 0.005, 0, 0.017}, {0.01, 0.02, 0.03}, 0.0005};
+  body.set_obstacles({box, {"floor", Plane{}, {}, 0.6}, {"jaw", jaw, motion(-1.0), 0.6}});
+  SolverOptions options;
+  options.time_step_s = 0.02;
+  return Simulation(std::move(body), {}, {}, options);
+}
+
+TEST(Grip, TakesAlongWhatAJawHoldsThatIsAnObstacle) {
+  Simulation simulation = pad_and_jaw();
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_LT((box_of(simulation) - Eigen::Vector3d(0.0028, 0.00006, 0.02645)).norm(), 1e-4)
+      << box_of(simulation).transpose();
 }
 
 TEST(Grip, LeavesBehindWhatIsTooSlippery) {

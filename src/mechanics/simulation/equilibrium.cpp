@@ -93,6 +93,7 @@ class Walk {
   bool lose_stability(double share);
   bool balloons_before(double share);
   bool go_on_from(double share, RestFound found, double& stage);
+  bool go_on_gripping(double end);
   bool go_on_under_loads(double share);  // that come slowly
   std::vector<SolveWarning> passed_since(SimulationState& from, PassedSizes sizes) const;
   bool passes_skin_since(const SimulationState& from) const;
@@ -358,12 +359,15 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   const double end = path_.stage_end(done_, 1.0);
   const bool pushed = parts_.body.touches_itself() || path_.something_moves();
   if (pushed && path_.changes_in_stages() && fall_to(share)) return true;
-  if (Grip(parts_, path_.time_s(done_), path_.time_s(end)).carries()) {
-    if (ways_.held_after == path_.poses_before(done_) && try_stage(end) == RestFound::stable) return true;
-    report_.message = "what the body grips slips there; steps in time say where it goes";
-    return false;
-  }
+  if (Grip(parts_, path_.time_s(done_), path_.time_s(end)).carries()) return go_on_gripping(end);
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
+}
+
+// A short stage in which some places slip may fail where a long one does not; that friction holds there is known.
+bool Walk::go_on_gripping(double end) {
+  if (ways_.held_after == path_.poses_before(done_) && try_stage(end) == RestFound::stable) return true;
+  report_.message = "what the body grips slips there; steps in time say where it goes";
+  return false;
 }
 
 bool Walk::go_on_under_loads(double share) {

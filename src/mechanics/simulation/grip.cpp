@@ -104,11 +104,11 @@ void Grip::add_skin_touches(double from_s, double to_s) {
     if (touch.on_skin()) {
       rub.other = frees + parts_.body.body_of_node(nodes[static_cast<std::size_t>(count) - 1]);
       if (rub.other == rub.thing) continue;
-      rub.place_m = contact_.skin().points().at(contact_.point_of(touch.pair), start_.positions_m);
+      rub.position_m = contact_.skin().points().at(contact_.point_of(touch.pair), start_.positions_m);
     } else {
       const int obstacle = touch.pair / contact_.points().count();
-      rub.place_m = at.points_m.col(contact_.point_of(touch.pair));
-      rub.two = {obstacle, contact_.pose_of(obstacle, start_.contact).inverse() * rub.place_m};
+      rub.position_m = at.points_m.col(contact_.point_of(touch.pair));
+      rub.two = {obstacle, contact_.pose_of(obstacle, start_.contact).inverse() * rub.position_m};
       if (touch.free >= 0)
         rub.other = touch.free;
       else
@@ -126,7 +126,7 @@ void Grip::add_rigid_touches(double from_s, double to_s) {
     rub.thing = rigid.free_of(touch.pair);
     rub.other = rigid.other_free_of(touch.pair);
     rub.force_n = touch.force_n;
-    rub.place_m = touch.position_m;
+    rub.position_m = touch.position_m;
     rub.normal = touch.normal;
     rub.one = {contact_.free().obstacle(rub.thing), touch.pose.inverse() * touch.position_m};
     rub.two = {rigid.other_of(touch.pair), touch.other_pose.inverse() * touch.position_m};
@@ -138,26 +138,26 @@ void Grip::add_rigid_touches(double from_s, double to_s) {
 // By what rubs on it, and moves as is known.
 Grip::Way Grip::mean_way(int of) const {
   double force_n = 0.0;
-  Eigen::Vector3d place_m = Eigen::Vector3d::Zero(), way_m = place_m, turn = place_m;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero(), way_m = position_m, turn = position_m;
   for (const Rub& rub : rubs_) {
     if (rub.thing != of) continue;
     const Way& way = way_of_other(rub);
     if (!way) continue;
     force_n += rub.force_n;
-    place_m += rub.force_n * rub.place_m;
-    way_m += rub.force_n * (*way * rub.place_m - rub.place_m);
+    position_m += rub.force_n * rub.position_m;
+    way_m += rub.force_n * (*way * rub.position_m - rub.position_m);
     turn += rub.force_n * turn_rad(*way);
   }
   if (force_n == 0.0) return std::nullopt;
-  return moved_about(place_m / force_n, way_m / force_n, turn / force_n);
+  return moved_about(position_m / force_n, way_m / force_n, turn / force_n);
 }
 
 bool Grip::all_go(int of, const Eigen::Isometry3d& mean, double differing) const {
   return std::all_of(rubs_.begin(), rubs_.end(), [&](const Rub& rub) {
     if (rub.thing != of) return true;
     const Way& way = way_of_other(rub);
-    const Eigen::Vector3d went_m = mean * rub.place_m - rub.place_m;
-    return way && (*way * rub.place_m - rub.place_m - went_m).norm() <= differing * went_m.norm();
+    const Eigen::Vector3d went_m = mean * rub.position_m - rub.position_m;
+    return way && (*way * rub.position_m - rub.position_m - went_m).norm() <= differing * went_m.norm();
   });
 }
 
@@ -181,7 +181,7 @@ double Grip::way_m(int of) const {
   if (!thing(of).way) return 0.0;
   double largest_m = 0.0;
   for (const Rub& rub : rubs_)
-    if (rub.thing == of) largest_m = std::max(largest_m, (*thing(of).way * rub.place_m - rub.place_m).norm());
+    if (rub.thing == of) largest_m = std::max(largest_m, (*thing(of).way * rub.position_m - rub.position_m).norm());
   return largest_m;
 }
 

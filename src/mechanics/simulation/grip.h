@@ -22,10 +22,9 @@ class Grip {
   // Of the present state, which stands at the first of these times.
   Grip(const SimulationParts& parts, double from_s, double to_s);
 
-  bool holds_something() const { return !rubs_.empty(); }
-  bool carries() const;      // what it holds, by a way that is known
-  bool moves_alike() const;  // all that rubs on it, so that it presses no harder on the way
   bool has_loose_things() const;
+  bool carries() const;      // what it holds, by a way that is known
+  bool moves_alike() const;  // all that rubs on it, so that it presses as hard on the way as at its end
   // Whether something rubs here that does not there.
   bool rubs_more_than(const Grip& before) const;
   // Whether what holds it goes so little that it cannot be left behind.
@@ -55,7 +54,7 @@ class Grip {
   struct Rub {
     int thing = 0, other = -1;  // among the things; -1: an obstacle that moves
     double force_n = 0.0;
-    Eigen::Vector3d place_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
     Side one, two;
     ContactTouch touch;  // of skin
     Way way;             // of an obstacle that moves

@@ -30,9 +30,8 @@ constexpr int kFewStages = 4, kTimesMore = 4, kMostStages = 256;
 constexpr double kSameEnd = 2e-4;    // of the body's size
 constexpr double kBentWay = 1.5;     // times the straight way of a node past an obstacle: a way that is bent
 constexpr int kSlipIterations = 60;  // where points stick and slip by turns
-constexpr double kFirstSlip =
-    2.0;  // of a short way: where a thing is first rubbed on in a stage, nobody knows for how long
-constexpr double kSafeSlip = 0.9;  // of the longest slip in a stage, for which the next one is planned
+constexpr double kFirstSlip = 2.0;   // of a short way: of a thing that is first touched in a stage, nobody knows when
+constexpr double kSafeSlip = 0.9;    // of the longest slip in a stage, for which the next one is planned
 
 void report_unfinished(double done, SolveReport& report) {
   report.converged = false;

@@ -135,13 +135,18 @@ void Grip::add_rigid_touches(double from_s, double to_s) {
   }
 }
 
+// How the other side of a place goes where that rubs on the thing; none where it does not, or that is not known.
+Grip::Way Grip::way_of_other(const Rub& rub, int of) const {
+  if (rub.thing == of) return rub.other >= 0 ? thing(rub.other).way : rub.way;
+  return rub.other == of ? thing(rub.thing).way : Way();
+}
+
 // By what rubs on it, and moves as is known.
 Grip::Way Grip::mean_way(int of) const {
   double force_n = 0.0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero(), way_m = position_m, turn = position_m;
   for (const Rub& rub : rubs_) {
-    if (rub.thing != of) continue;
-    const Way& way = way_of_other(rub);
+    const Way way = way_of_other(rub, of);
     if (!way) continue;
     force_n += rub.force_n;
     position_m += rub.force_n * rub.position_m;
@@ -154,35 +159,45 @@ Grip::Way Grip::mean_way(int of) const {
 
 bool Grip::all_go(int of, const Eigen::Isometry3d& mean, double differing) const {
   return std::all_of(rubs_.begin(), rubs_.end(), [&](const Rub& rub) {
-    if (rub.thing != of) return true;
-    const Way& way = way_of_other(rub);
+    if (rub.thing != of || (rub.other >= 0 && thing(rub.other).loose)) return true;
+    const Way way = way_of_other(rub, of);
     const Eigen::Vector3d went_m = mean * rub.position_m - rub.position_m;
     return way && (*way * rub.position_m - rub.position_m - went_m).norm() <= differing * went_m.norm();
   });
 }
 
+// Of what moving things hold, then of what lies on that, and so on.
 void Grip::find_ways() {
-  std::vector<Thing> found = things_;
-  for (int i = 0; i < static_cast<int>(things_.size()); ++i) {
-    if (!thing(i).loose) continue;
-    Thing& one = found[static_cast<std::size_t>(i)];
-    one.way = mean_way(i);
-    if (one.way && !all_go(i, *one.way, kTogether)) one.way.reset();
-    one.alike = one.way && all_go(i, *one.way, kAlike);
+  for (bool found = true; found;) {
+    found = false;
+    std::vector<Thing> next = things_;
+    for (int i = 0; i < static_cast<int>(things_.size()); ++i) {
+      if (!thing(i).loose || thing(i).way || !thing(i).alike) continue;
+      const Way way = mean_way(i);
+      if (!way) continue;
+      Thing& one = next[static_cast<std::size_t>(i)];
+      one.alike = all_go(i, *way, kAlike);
+      if (!all_go(i, *way, kTogether)) continue;
+      one.way = way;
+      found = true;
+    }
+    things_ = std::move(next);
   }
-  things_ = std::move(found);
+  for (const Rub& rub : rubs_) {
+    note_way(rub.thing, rub.position_m);
+    if (rub.other >= 0) note_way(rub.other, rub.position_m);
+  }
+}
+
+void Grip::note_way(int of, const Eigen::Vector3d& position_m) {
+  Thing& one = thing(of);
+  if (!one.loose || !one.way) return;
+  const double way_m = (*one.way * position_m - position_m).norm();
+  if (way_m > kAlike * one.size_m) one.way_m = std::max(one.way_m, way_m);
 }
 
 bool Grip::moves_alike() const {
   return std::all_of(rubs_.begin(), rubs_.end(), [&](const Rub& rub) { return thing(rub.thing).alike; });
-}
-
-double Grip::way_m(int of) const {
-  if (!thing(of).way) return 0.0;
-  double largest_m = 0.0;
-  for (const Rub& rub : rubs_)
-    if (rub.thing == of) largest_m = std::max(largest_m, (*thing(of).way * rub.position_m - rub.position_m).norm());
-  return largest_m;
 }
 
 bool Grip::has_loose_things() const {
@@ -197,13 +212,12 @@ bool Grip::rubs_more_than(const Grip& before) const {
 }
 
 bool Grip::carries() const {
-  return std::any_of(rubs_.begin(), rubs_.end(),
-                     [&](const Rub& rub) { return way_m(rub.thing) > kAlike * thing(rub.thing).size_m; });
+  return std::any_of(things_.begin(), things_.end(), [](const Thing& one) { return one.loose && one.way_m > 0.0; });
 }
 
 bool Grip::goes_a_short_way() const {
-  return std::all_of(rubs_.begin(), rubs_.end(),
-                     [&](const Rub& rub) { return way_m(rub.thing) <= kShort * thing(rub.thing).size_m; });
+  return std::none_of(things_.begin(), things_.end(),
+                      [](const Thing& one) { return one.loose && one.way_m > kShort * one.size_m; });
 }
 
 void Grip::carry(SimulationState& state) const {
@@ -249,8 +263,8 @@ std::vector<Grip::Slipped> Grip::slips(const SimulationState& to) const {
 bool Grip::took_along(const SimulationState& to) const {
   const std::vector<Slipped> all = slips(to);
   return std::all_of(all.begin(), all.end(), [&](const Slipped& one) {
-    const double went_m = way_m(one.thing);
-    return went_m == 0.0 || one.mean_m <= 0.5 * went_m;
+    const double way_m = thing(one.thing).way_m;
+    return way_m == 0.0 || one.mean_m <= 0.5 * way_m;
   });
 }
 

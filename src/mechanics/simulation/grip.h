@@ -44,6 +44,7 @@ class Grip {
     bool loose = true;
     double size_m = 0.0;  // half its least extent
     Way way;              // where it is known
+    double way_m = 0.0;   // of what is loose: of the place that goes furthest
     bool alike = true;    // it is that of all that rubs on it
   };
   // A place of an obstacle as that is stated, or a contact point of the skin.
@@ -73,14 +74,14 @@ class Grip {
   void add_rigid_touches(double from_s, double to_s);
   void add(Rub rub);
   void find_ways();
-  const Way& way_of_other(const Rub& rub) const { return rub.other >= 0 ? thing(rub.other).way : rub.way; }
+  void note_way(int thing, const Eigen::Vector3d& position_m);
+  Way way_of_other(const Rub& rub, int thing) const;
   Way mean_way(int thing) const;
   // Whether what rubs on a thing goes that way, but for so much of it.
   bool all_go(int thing, const Eigen::Isometry3d& way, double differing) const;
   Way way_of_obstacle(int obstacle, double from_s, double to_s) const;
   Eigen::Vector3d slip_m(const Rub& rub, const SimulationState& to) const;
   std::vector<Slipped> slips(const SimulationState& to) const;
-  double way_m(int thing) const;
   const Thing& thing(int i) const { return things_[static_cast<std::size_t>(i)]; }
   Thing& thing(int i) { return things_[static_cast<std::size_t>(i)]; }
 

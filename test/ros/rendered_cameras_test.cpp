@@ -225,6 +225,11 @@ TEST_F(RenderedCameras, RefuseBadMoves) {
   const auto nowhere = ask<MoveCamera>(node_, topics::move_camera, request);
   EXPECT_FALSE(nowhere.success);
   EXPECT_NE(nowhere.message.find("translation"), std::string::npos) << nowhere.message;
+  request.translation.y = 1e19;
+  EXPECT_FALSE((ask<MoveCamera>(node_, topics::move_camera, request).success)) << "too far for any image";
+  request.translation.y = 0.0;
+  request.rotation.x = 1e300;
+  EXPECT_FALSE((ask<MoveCamera>(node_, topics::move_camera, request).success)) << "no turn";
   expect_marker_in_its_place(film_anew());
 }
 

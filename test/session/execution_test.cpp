@@ -91,6 +91,25 @@ TEST_F(Executed, RestsWhereMotorsGetTheLastCommandAgain) {
   EXPECT_TRUE(report_.get().success);
 }
 
+// A tip may stand while the play of a drive is turned through.
+TEST_F(Executed, DoesNotRestWhileMotorsMove) {
+  MotorWatchReport moving = motors();
+  moving.moving = true;
+  execution_.add_motors(moving);
+  start({to(0.8), {1.0}});
+  for (int i = 0; i < 300; ++i) {
+    machine_s_ = 100.0 + 0.01 * i;
+    execution_.add_motors(moving);
+    execution_.add_simulated(50.0 + 0.01 * i, {{0.0, 0.0, 0.0}});
+  }
+  EXPECT_NE(report_.wait_for(std::chrono::milliseconds(300)), std::future_status::ready);
+  execution_.add_motors(motors());
+  send_markers(53.0, 53.8);
+  EXPECT_EQ(report_.wait_for(std::chrono::seconds(5)), std::future_status::ready);
+  execution_.cancel();
+  EXPECT_TRUE(report_.get().success);
+}
+
 TEST_F(Executed, AnswersAtTheLastCommandWhereRestIsNotAwaited) {
   start({to(0.8), {1.0}, false});
   send_markers(50.0, 51.1, 60.0);

@@ -62,6 +62,34 @@ TEST(ChamberScene, BindsBySurfaceNameOrBySolid) {
   }
 }
 
+// A flat chamber under a membrane that is sucked onto its bottom, 5 mm above the clamp and 1.5 mm thick.
+TEST(ChamberScene, OfLessThanNoVolumeIsNoRestState) {
+  const std::string scene = R"(body:
+  solid:
+    difference:
+      - box: {size_m: [0.04, 0.04, 0.0095], center_m: [0, 0, 0.00475]}
+      - {name: hollow, box: {size_m: [0.03, 0.03, 0.003], center_m: [0, 0, 0.0065]}}
+  element_size_m: 0.005
+  material: {youngs_modulus_pa: 150000, poissons_ratio: 0.49}
+  fixed: [{box: {min_m: [-1, -1, -1], max_m: [1, 1, 1.0e-6]}}]
+chambers: [{name: air, surface: hollow, command: gauge_pressure, min_gauge_pressure_pa: -20000}]
+markers: [{name: middle, position_m: [0, 0, 0.0095]}]
+run: {commands: [{air: -8000}]}
+)";
+  const SceneFolder folder;
+  Scene open = load_scene(folder.write("open.yaml", scene), chamber_options());
+  const RunReport through = run_scene(open);
+  EXPECT_FALSE(through.solve.converged);
+  EXPECT_NE(through.solve.message.find("actuator air: a volume of -"), std::string::npos) << through.solve.message;
+  EXPECT_NE(through.solve.message.find("contact: {self: true}"), std::string::npos) << through.solve.message;
+  Scene closed = load_scene(folder.write("closed.yaml", scene + "contact: {self: true}\n"), chamber_options());
+  const RunReport on = run_scene(closed);
+  ASSERT_TRUE(on.solve.converged) << on.solve.message;
+  const nlohmann::json result = nlohmann::json::parse(result_json(closed, on));
+  EXPECT_NEAR(result["chambers"]["air"]["volume_m3"].get<double>(), 4.6e-7, 0.1e-7);
+  EXPECT_NEAR(closed.simulation->marker_position(0).z(), 6.48e-3, 0.05e-3);
+}
+
 TEST(ChamberScene, RefusesWhatItCannotFind) {
   struct BadChamber {
     std::string text, words;

@@ -167,6 +167,16 @@ Eigen::Isometry3d pose_at(const std::vector<ObstaclePose>& motion, const Vector3
   return pose;
 }
 
+Eigen::Isometry3d way_between(const std::vector<ObstaclePose>& motion, const Vector3d& middle_m, double from_s,
+                              double to_s) {
+  return pose_at(motion, middle_m, to_s) * pose_at(motion, middle_m, from_s).inverse();
+}
+
+Vector3d turn_rad(const Eigen::Isometry3d& way) {
+  const Eigen::AngleAxisd turn(way.linear());
+  return turn.angle() * turn.axis();
+}
+
 Eigen::Isometry3d moved_about(const Vector3d& center_m, const Vector3d& way_m, const Vector3d& turn_rad) {
   return Eigen::Translation3d(center_m + way_m) * turn(turn_rad) * Eigen::Translation3d(-center_m);
 }

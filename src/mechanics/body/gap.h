@@ -32,12 +32,19 @@ Eigen::Isometry3d pose_at(const std::vector<ObstaclePose>& motion, const Eigen::
 
 // From the shape as stated to where it stands.
 Eigen::Isometry3d pose_at(const Obstacle& obstacle, double time_s);
+
+// What leads from one time of such a motion to another.
+Eigen::Isometry3d way_between(const std::vector<ObstaclePose>& motion, const Eigen::Vector3d& center_m, double from_s,
+                              double to_s);
+
 double end_of_motion_s(const std::vector<Obstacle>& obstacles);
 bool any_moves_between(const std::vector<Obstacle>& obstacles, double from_s, double to_s);
 
 // What takes all that moves with a centre along: it moves, and turns by an axis times an angle.
 Eigen::Isometry3d moved_about(const Eigen::Vector3d& center_m, const Eigen::Vector3d& way_m,
                               const Eigen::Vector3d& turn_rad);
+
+Eigen::Vector3d turn_rad(const Eigen::Isometry3d& way);  // axis times angle
 
 // The gap to the shape where it stands.
 Gap gap_to(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& point_m);

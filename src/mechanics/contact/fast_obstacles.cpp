@@ -36,8 +36,7 @@ ObstacleWay way_of(const Obstacle& obstacle, int index, const ContactTerm& conta
   if (const int free = contact.free().index_of(index); free >= 0)
     return {pose, middle_m, h * velocities.linear_m_s.col(free), h * velocities.angular_rad_s.col(free)};
   const Eigen::Isometry3d way = pose_at(obstacle, state.time_s + h) * pose.inverse();
-  const Eigen::AngleAxisd turn(way.linear());
-  return {pose, middle_m, way * middle_m - middle_m, turn.angle() * turn.axis()};
+  return {pose, middle_m, way * middle_m - middle_m, turn_rad(way)};
 }
 
 // From a point, to the farthest node.

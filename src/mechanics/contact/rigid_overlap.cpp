@@ -31,8 +31,7 @@ RigidWay way_to(const Obstacle& obstacle, int index, const ContactTerm& contact,
   way.middle_m = way.from * center_m(obstacle.shape);
   const Eigen::Isometry3d change = contact.pose_of(index, state) * way.from.inverse();
   way.move_m = change * way.middle_m - way.middle_m;
-  const Eigen::AngleAxisd turn(change.linear());
-  way.turn_rad = turn.angle() * turn.axis();
+  way.turn_rad = turn_rad(change);
   return way;
 }
 

@@ -15,10 +15,6 @@ namespace {
 constexpr double kAlike = 1e-9;    // of a pose, or a way
 constexpr double kTogether = 0.2;  // of a way: what differs by less carries a thing along
 
-Eigen::Isometry3d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
-  return to * from.inverse();
-}
-
 // How the holds of a body move, where they move alike; `held` says whether it has any.
 std::optional<Eigen::Isometry3d> way_of_holds(const Body& body, int one, double from_s, double to_s, bool& held) {
   std::optional<Eigen::Isometry3d> way;
@@ -27,28 +23,19 @@ std::optional<Eigen::Isometry3d> way_of_holds(const Body& body, int one, double 
         std::any_of(hold.nodes.begin(), hold.nodes.end(), [&](int node) { return body.body_of_node(node) == one; });
     if (!of_it) continue;
     held = true;
-    const Eigen::Isometry3d its =
-        way_between(pose_at(hold.motion, hold.center_m, from_s), pose_at(hold.motion, hold.center_m, to_s));
+    const Eigen::Isometry3d its = way_between(hold.motion, hold.center_m, from_s, to_s);
     if (way && !its.isApprox(*way, kAlike)) return std::nullopt;
     way = its;
   }
   return way;
 }
 
-// Half the least extent of each body's rest shape.
-std::vector<double> sizes_m(const Body& body) {
-  std::vector<Eigen::AlignedBox3d> boxes(body.mesh().bodies.size());
-  for (Eigen::Index node = 0; node < body.mesh().nodes_m.cols(); ++node)
-    boxes[static_cast<std::size_t>(body.body_of_node(static_cast<int>(node)))].extend(
-        Eigen::Vector3d(body.mesh().nodes_m.col(node)));
-  std::vector<double> sizes;
-  for (const Eigen::AlignedBox3d& box : boxes) sizes.push_back(0.5 * box.sizes().minCoeff());
-  return sizes;
-}
-
-Eigen::Vector3d turn_rad(const Eigen::Isometry3d& way) {
-  const Eigen::AngleAxisd turn(way.linear());
-  return turn.angle() * turn.axis();
+// Half the least extent of a body's rest shape.
+double size_m(const Body& body, int one) {
+  Eigen::AlignedBox3d box;
+  for (int node = 0; node < static_cast<int>(body.mesh().nodes_m.cols()); ++node)
+    if (body.body_of_node(node) == one) box.extend(Eigen::Vector3d(body.mesh().nodes_m.col(node)));
+  return 0.5 * box.sizes().minCoeff();
 }
 
 }  // namespace
@@ -58,7 +45,8 @@ Grip::Grip(const SimulationParts& parts, double from_s, double to_s)
   if (contact_.empty()) return;
   find_things(from_s, to_s);
   if (!has_loose_things()) return;
-  start_ = parts.state;
+  start_m_ = parts.state.positions_m;
+  start_contact_ = parts.state.contact;
   add_skin_touches(from_s, to_s);
   add_rigid_touches(from_s, to_s);
   find_ways();
@@ -67,17 +55,16 @@ Grip::Grip(const SimulationParts& parts, double from_s, double to_s)
 void Grip::find_things(double from_s, double to_s) {
   for (int free = 0; free < contact_.free().count(); ++free)
     things_.push_back({true, contact_.free().size_m(free), std::nullopt});
-  for (const double size_m : sizes_m(parts_.body)) {
-    const int body = static_cast<int>(things_.size()) - contact_.free().count();
+  for (int body = 0; body < static_cast<int>(parts_.body.mesh().bodies.size()); ++body) {
     bool held = false;
     const Way way = way_of_holds(parts_.body, body, from_s, to_s, held);
-    things_.push_back({!held, size_m, way});
+    things_.push_back({!held, held ? 0.0 : size_m(parts_.body, body), way});
   }
 }
 
 Grip::Way Grip::way_of_obstacle(int obstacle, double from_s, double to_s) const {
   const Obstacle& one = parts_.body.obstacles()[static_cast<std::size_t>(obstacle)];
-  const Eigen::Isometry3d way = way_between(pose_at(one, from_s), pose_at(one, to_s));
+  const Eigen::Isometry3d way = way_between(one.motion, center_m(one.shape), from_s, to_s);
   return way.isApprox(Eigen::Isometry3d::Identity(), kAlike) ? Way() : Way(way);
 }
 
@@ -89,7 +76,7 @@ void Grip::add(Rub rub) {
 }
 
 void Grip::add_skin_touches(double from_s, double to_s) {
-  const ContactSums at = contact_.sums(start_.positions_m, start_.contact);
+  const ContactSums at = contact_.sums(start_m_, start_contact_);
   const int frees = contact_.free().count();
   for (const ContactTouch& touch : at.touches) {
     if (!touch.rubs() || touch.pressure_pa <= 0.0) continue;
@@ -104,11 +91,11 @@ void Grip::add_skin_touches(double from_s, double to_s) {
     if (touch.on_skin()) {
       rub.other = frees + parts_.body.body_of_node(nodes[static_cast<std::size_t>(count) - 1]);
       if (rub.other == rub.thing) continue;
-      rub.position_m = contact_.skin().points().at(contact_.point_of(touch.pair), start_.positions_m);
+      rub.position_m = contact_.skin().points().at(contact_.point_of(touch.pair), start_m_);
     } else {
       const int obstacle = touch.pair / contact_.points().count();
       rub.position_m = at.points_m.col(contact_.point_of(touch.pair));
-      rub.two = {obstacle, contact_.pose_of(obstacle, start_.contact).inverse() * rub.position_m};
+      rub.two = {obstacle, contact_.pose_of(obstacle, start_contact_).inverse() * rub.position_m};
       if (touch.free >= 0)
         rub.other = touch.free;
       else
@@ -120,7 +107,7 @@ void Grip::add_skin_touches(double from_s, double to_s) {
 
 void Grip::add_rigid_touches(double from_s, double to_s) {
   const RigidContact& rigid = contact_.rigid();
-  for (const RigidTouch& touch : rigid.touches(start_.contact)) {
+  for (const RigidTouch& touch : rigid.touches(start_contact_)) {
     if (!touch.rubs() || touch.force_n <= 0.0) continue;
     Rub rub;
     rub.thing = rigid.free_of(touch.pair);
@@ -240,8 +227,7 @@ Eigen::Vector3d Grip::slip_m(const Rub& rub, const SimulationState& to) const {
     return side.obstacle >= 0 ? Eigen::Vector3d(contact_.pose_of(side.obstacle, to.contact) * side.local_m)
                               : contact_.points().at(contact_.point_of(rub.touch.pair), to.positions_m);
   };
-  if (rub.touch.on_skin())
-    return contact_.relative_motion_m(rub.touch, to.positions_m - start_.positions_m, FreeColumns());
+  if (rub.touch.on_skin()) return contact_.relative_motion_m(rub.touch, to.positions_m - start_m_, FreeColumns());
   return there_m(rub.one) - there_m(rub.two);
 }
 

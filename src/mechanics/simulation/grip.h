@@ -42,7 +42,7 @@ class Grip {
   // The free obstacles, and after them the bodies, of which some are held.
   struct Thing {
     bool loose = true;
-    double size_m = 0.0;  // half its least extent
+    double size_m = 0.0;  // half its least extent, of what is loose
     Way way;              // where it is known
     double way_m = 0.0;   // of what is loose: of the place that goes furthest
     bool alike = true;    // it is that of all that rubs on it
@@ -87,7 +87,8 @@ class Grip {
 
   const SimulationParts& parts_;
   const ContactTerm& contact_;
-  SimulationState start_;
+  Eigen::Matrix3Xd start_m_;  // of the nodes
+  ContactState start_contact_;
   std::vector<Thing> things_;
   std::vector<Rub> rubs_;
 };

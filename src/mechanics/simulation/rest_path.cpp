@@ -25,8 +25,7 @@ double largest_turn_rad(const Body& body, double from_s, double to_s) {
   double largest = 0.0;
   for (const Hold& hold : body.holds()) {
     if (hold.motion.empty()) continue;
-    const Eigen::Isometry3d way =
-        pose_at(hold.motion, hold.center_m, to_s) * pose_at(hold.motion, hold.center_m, from_s).inverse();
+    const Eigen::Isometry3d way = way_between(hold.motion, hold.center_m, from_s, to_s);
     largest = std::max(largest, std::abs(Eigen::AngleAxisd(way.linear()).angle()));
   }
   return largest;

@@ -95,13 +95,30 @@ Volumes build_sweep(const Solid& solid) {
   return only_volumes(all);
 }
 
+double volume_of(const Volumes& volumes) {
+  double sum = 0.0;
+  for (const auto& [dimension, tag] : volumes) {
+    double part = 0.0;
+    occ::getMass(dimension, tag, part);
+    sum += part;
+  }
+  return sum;
+}
+
+Eigen::AlignedBox3d box_of(const gmsh::vectorpair& entities) {
+  Eigen::AlignedBox3d box;
+  for (const auto& [dimension, tag] : entities) {
+    Eigen::Vector3d low, high;
+    occ::getBoundingBox(dimension, tag, low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
+    box.extend(low).extend(high);
+  }
+  return box;
+}
+
 bool lies_in_box(int curve, const Solid& box) {
   constexpr double kSlack_m = 1e-6;
-  Eigen::Vector3d low, high;
-  occ::getBoundingBox(1, curve, low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
-  const Eigen::Array3d least = scaled(box.start_m).array() - scaled(kSlack_m);
-  const Eigen::Array3d most = scaled(box.end_m).array() + scaled(kSlack_m);
-  return (low.array() >= least).all() && (high.array() <= most).all();
+  const Eigen::Vector3d slack = Eigen::Vector3d::Constant(scaled(kSlack_m));
+  return Eigen::AlignedBox3d(scaled(box.start_m) - slack, scaled(box.end_m) + slack).contains(box_of({{1, curve}}));
 }
 
 // The edges of two faces; what has one is a seam, as along a cylinder.
@@ -119,26 +136,6 @@ std::vector<int> edges_to_round(const Volumes& volumes, const Solid& solid) {
     if (neighbours.size() == 2 && lies_in_box(curve, solid)) edges.push_back(curve);
   }
   return edges;
-}
-
-double volume_of(const Volumes& volumes) {
-  double sum = 0.0;
-  for (const auto& volume : volumes) {
-    double part = 0.0;
-    occ::getMass(volume.first, volume.second, part);
-    sum += part;
-  }
-  return sum;
-}
-
-Eigen::AlignedBox3d box_of(const Volumes& volumes) {
-  Eigen::AlignedBox3d box;
-  for (const auto& volume : volumes) {
-    Eigen::Vector3d low, high;
-    occ::getBoundingBox(volume.first, volume.second, low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
-    box.extend(low).extend(high);
-  }
-  return box;
 }
 
 Volumes build_fillet(const Solid& solid) {
@@ -372,13 +369,7 @@ int build_body(const Solid& solid) {
   // Touching faces of one plane become one, which makes better meshes, unless they may have different names.
   gmsh::option::setNumber("Geometry.OCCUnionUnify", has_name(solid) ? 0 : 1);
   const Volumes volumes = build_solid(solid);
-  double volume = 0;
-  for (const auto& [dimension, tag] : volumes) {
-    double mass = 0;
-    occ::getMass(dimension, tag, mass);
-    volume += mass;
-  }
-  if (volumes.empty() || !(volume > 0)) throw std::invalid_argument("empty solid: nothing is left of it");
+  if (!(volume_of(volumes) > 0.0)) throw std::invalid_argument("empty solid: nothing is left of it");
   if (volumes.size() > 1) {
     throw std::invalid_argument("the solid falls into " + std::to_string(volumes.size()) + " parts, must be one");
   }

@@ -48,7 +48,9 @@ void UsedTime::look() {
   const auto now = std::chrono::steady_clock::now();
   const double passed_s = std::chrono::duration<double>(now - last_look_).count();
   const Activity activity = activity_with_descendants(std::to_string(process_));
-  used_s_ += activity.can_run ? std::clamp(activity.processor_s - processor_s_, 0.0, passed_s) : passed_s;
+  const bool slept = !could_run_ && !activity.can_run;
+  used_s_ += slept ? passed_s : std::clamp(activity.processor_s - processor_s_, 0.0, passed_s);
+  could_run_ = activity.can_run;
   processor_s_ = activity.processor_s;
   last_look_ = now;
 }

@@ -18,8 +18,8 @@ struct Activity {
 Activity read_activity(std::istream& stat);
 
 // How long a process and those it started ran or slept, without what they waited for a core, as on a machine with more
-// work than cores. Each look adds the time since the last one: all of it where none could run, otherwise at most the
-// processor time that they took.
+// work than cores. Each look adds the time since the last one: all of it where none could run at either, otherwise at
+// most the processor time that they took. Time may pass between looks, as the one who looks waits for a core too.
 class UsedTime {
  public:
   explicit UsedTime(pid_t process) : process_(process) {}
@@ -30,7 +30,8 @@ class UsedTime {
  private:
   pid_t process_;
   std::chrono::steady_clock::time_point last_look_ = std::chrono::steady_clock::now();
-  double processor_s_ = 0.0;  // at the last look
+  bool could_run_ = true;  // at the last look, as the next
+  double processor_s_ = 0.0;
   double used_s_ = 0.0;
 };
 
